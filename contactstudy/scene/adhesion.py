@@ -77,14 +77,15 @@ class Adhesion:
         """
         if scene.radius is None:
             return 0.0
-        load = 2 * (pi * scene.contact_modulus * self.work**2 * scene.radius) ** (1 / 3)
-        width = HertzLine(load, scene.radius, scene.contact_modulus).half_width
-        ratio = contact_modulus(scene.solids, width) / scene.contact_modulus
+        modulus = contact_modulus(scene.solids)
+        load = 2 * (pi * modulus * self.work**2 * scene.radius) ** (1 / 3)
+        width = HertzLine(load, scene.radius, modulus).half_width
+        ratio = contact_modulus(scene.solids, width) / modulus
         return float(load * ratio ** (1 / 3))
 
     def reference_pressure(self, scene: SceneContext, width: float) -> float:
         """Return Griffith's tensile stress [Pa] of a crack of half-length `width` [m], ``sqrt(2 E* w / (pi width))``."""
-        return sqrt(2 * scene.contact_modulus * self.work / (pi * width))
+        return sqrt(2 * contact_modulus(scene.solids) * self.work / (pi * width))
 
     def cohesive(self, modulus: float, cell: float) -> CohesiveLaw:
         """Return the traction as a function of the gap, by a contact `modulus` [Pa] and on cells of this size [m]."""

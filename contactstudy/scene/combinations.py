@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any
 
+from contactstudy.domain.validation import InvalidInput
 from contactstudy.scene import loads
 from contactstudy.scene.solids.bodies import creeps, yields
 
@@ -36,6 +37,7 @@ class Method:
         return "times" in self.keywords
 
 
+# Settings of :class:`~contactstudy.SolveOptions` that most methods use.
 OPTIONS = "max_iterations", "solver", "precision"
 STATIC = Method("a static contact", ("start", "device", *OPTIONS))
 STEADY_ROLLING = Method("a contact that rolls", OPTIONS)
@@ -149,6 +151,24 @@ REFUSED: tuple[tuple[str, tuple[str, ...], str], ...] = (
     ("a change in time under a film", ("Scene.solids that creep", "Lubrication.boundary", "Lubrication.thermal"),
      "these are computed under a steady film only, leave one of them out"),
 )  # fmt: skip
+
+
+def method_of(scene: Any) -> Method:
+    """Return the method by which a :class:`~contactstudy.Scene` is solved."""
+    return next(method for words, method in METHODS if scene.named.issuperset(words))
+
+
+def refuse_pairs(scene: Any) -> None:
+    """Raise :class:`~contactstudy.InvalidInput` for two effects of a scene that cannot be combined."""
+    for effect, others, reason in REFUSED:
+        for other in others:
+            if scene.named.issuperset((effect, other)):
+                field = effect.removeprefix("Scene.")
+                value = repr(getattr(scene, field, None))
+                is_short = hasattr(scene, field) and len(value) < 60
+                pair = f"{effect}{f' is {value}' * is_short} together with {other}"
+                changing = f"{changing_field(scene)}, which changes in time"
+                raise InvalidInput(f"{pair.replace('a change in time', changing)}: {reason}.")
 
 
 def named_by(scene: Any) -> frozenset[str]:

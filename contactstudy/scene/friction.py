@@ -20,6 +20,7 @@ from contactstudy.scene.solids.coated import CoatedHalfSpace
 from contactstudy.solvers.coulomb import FullSliding
 from contactstudy.solvers.fretting import FrettingShear, PartialSlipShear
 
+# Coefficient of a law with stick: without friction nothing sticks.
 FrictionCoefficient = Annotated[validation.Number, validation.BELOW_ONE]
 # Instants at which a force is compared with the friction limit under a load that changes. Between two of them a load of
 # one sinusoidal cycle differs from a straight line by 1.2e-4 of its amplitude.
@@ -88,7 +89,8 @@ def are_similar(solids: tuple[Body, ...]) -> bool:
     first, second = solids
     if first == second:
         return True
-    of_first, of_second = (body.shear_compliance(1.0)["x"] for body in shearable(solids))
+    # displacement along the normal under traction along x, which is the same from any datum
+    of_first, of_second = (body.shear_compliance(datum=1.0)["x"] for body in shearable(solids))
     if any(map(bodies.creeps, solids)):  # bodies that are equal at first differ once they have crept
         return not any((*of_first.values(), *of_second.values()))
     return not tangential.summed_responses(-1, of_first, of_second)
@@ -106,7 +108,10 @@ def shearable(solids: tuple[Body, ...]) -> tuple[tangential.ShearableBody, ...]:
 def shear_coupling(
     solids: tuple[Body, ...], axes: str, grid: Grid, paddings: Paddings, datum: float
 ) -> list[GeneralConvolution]:
-    """Return the change of the gap by traction along each of the `axes`, none for elastically similar bodies."""
+    """Return the change of the gap by traction along each of the `axes` ("x" or "xy"), none for two similar bodies.
+
+    The `datum` [m] is the distance from the axis at which the surface does not move.
+    """
     if solids[0] == solids[1]:
         return []
     first, second = shearable(solids)
@@ -130,10 +135,15 @@ def refuse_gross_slip(
 
 
 def bulk_compliance(scene: SceneContext, body: int, field: str, paddings: Paddings | None = None) -> float:
-    """Return strain along x over a bulk stress [1/Pa] of the body with this index, whose strain along y is prevented.
+    """Return the strain along x over a bulk stress along x [1/Pa] of a body whose strain along y is prevented.
 
-    Raises :class:`~contactstudy.InvalidInput`, which names the `field`, for a body that is no elastic half-space, and
-    for `paddings` with which it repeats across.
+    The `body` is an index in ``Scene.solids``.
+
+    Raises
+    ------
+    InvalidInput
+        For a body that is no elastic half-space, in a sentence that begins with the `field`, and for `paddings` with
+        images across.
     """
     solid = scene.solids[body]
     if type(solid) is not HalfSpace or getattr(solid, "free_faces", inf) < inf or not solid.compliance:
@@ -157,9 +167,14 @@ def check_force(scene: SceneContext, law: Any, load: float, remedy: str) -> None
 
 
 def force_per_length(law: Any, scene: SceneContext) -> float | None:
-    """Return the tangential force of a law [N/m] over the length that the load acts on; None where it gives none.
+    """Return the tangential force of a `law` [N/m] over the length that the load acts on; None where it gives none.
 
-    It is its ``tangential``, or its ``total`` [N] over the length of the roller.
+    It is the law's ``tangential``, or its ``total`` [N] over the length of the roller.
+
+    Raises
+    ------
+    InvalidInput
+        For a total force where no roller has a length.
     """
     if law.total is None:
         return law.tangential  # type: ignore[no-any-return]
@@ -172,7 +187,7 @@ def force_per_length(law: Any, scene: SceneContext) -> float | None:
 
 
 def mean_over_grid(force: float, scene: SceneContext, grid: Grid, paddings: Paddings) -> float:
-    """Return a tangential force [N/m] over the length that the load acts on as that over the length of `grid`."""
+    """Return the mean along `grid` [N/m] of a tangential `force` [N/m] that acts on the length of the load."""
     return force * scene.loaded_length(grid, paddings) / grid.length
 
 
@@ -448,7 +463,7 @@ class Wear:
 
     def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the motion of `scene` gives another sliding or turning."""
-        film, drives = scene.lubrication, scene.has_tractive_rolling
+        film, drives = scene.lubrication, getattr(scene.friction, "is_steady", False)
         standing = getattr(scene.friction, "standing", None)
         turns = self.circumference is not None or drives or scene.rolling is not None
         why = "Scene.rolling" if standing is None and not drives else "Scene.friction"

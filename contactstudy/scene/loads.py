@@ -242,27 +242,31 @@ class PiecewiseLinear:
         """Return the value from `time` [s] on; zero before the first instant."""
         return self._between(bisect_right(self.times, time), time)
 
-    def _between(self, index: int, time: float) -> float:
-        """Return the value at `time` [s], after `index` instants."""
-        if index == 0:
+    def _between(self, count: int, time: float) -> float:
+        """Return the value at `time` [s], before which there are `count` instants."""
+        if count == 0:
             return 0.0
-        if index == len(self.times):
+        if count == len(self.times):
             return self.values[-1]
-        t0, t1 = self.times[index - 1 : index + 1]
-        p0, p1 = self.values[index - 1 : index + 1]
-        weight = (time - t0) / (t1 - t0)
-        return p0 * (1 - weight) + p1 * weight
+        start, end = self.times[count - 1 : count + 1]
+        first, last = self.values[count - 1 : count + 1]
+        weight = (time - start) / (end - start)
+        return first * (1 - weight) + last * weight
 
     def mean(self, start: float, end: float) -> float:
         """Return the mean value between two times [s] without a break between them."""
         return (self.at(start) + self.before(end)) / 2
 
 
+# Instants [s] of a history.
 Times = tuple[Annotated[validation.Seconds, validation.FINITE], ...]
 
 
 def check_not_decreasing(name: str, times: Sequence[float]) -> None:
-    """Raise :class:`~contactstudy.InvalidInput` for `times` [s], of this `name`, that decrease, or stand three times."""
+    """Raise :class:`~contactstudy.InvalidInput` for `times` [s] that decrease, or one of which stands three times.
+
+    The message calls them by their `name`.
+    """
     for number, (before, after) in enumerate(pairwise(times), start=1):
         if after < before or times[max(number - 2, 0) : number + 1].count(after) > 2:
             raise InvalidInput(
@@ -271,7 +275,10 @@ def check_not_decreasing(name: str, times: Sequence[float]) -> None:
 
 
 def check_one_each(name: str, values: Sequence[float], beside: str, others: Sequence[float], least: int = 1) -> None:
-    """Raise :class:`~contactstudy.InvalidInput` unless there is one value for each of the others."""
+    """Raise :class:`~contactstudy.InvalidInput` unless there is one value for each of the `others`, and enough.
+
+    The message calls the values by their `name` and the others by the word `beside`; `least` is the fewest.
+    """
     if len(values) != len(others) or len(values) < least:
         raise InvalidInput(
             f"{name} has length {len(values)} beside {len(others)} {beside}: give one for each, and at least {least}."

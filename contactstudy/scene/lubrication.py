@@ -15,8 +15,8 @@ from contactstudy.scene.solids.bodies import Body, Layered, SceneContext
 # Viscosity [Pa s] of Roelands' pole, the limit at high temperature, and the temperature [K] at which his viscosity
 # diverges (Roelands 1966).
 LEAST_VISCOSITY, LEAST_TEMPERATURE = exp(-9.67), 138.0
-# Young's moduli [Pa] of steel.
-OF_STEEL = (1.9e11, 2.2e11)
+# Young's moduli [Pa] between which a body without thermal properties of its own is taken for steel.
+STEEL_MODULI = (1.9e11, 2.2e11)
 ABOVE_LEAST = validation.Limits(f"above {LEAST_TEMPERATURE:g} K", lambda x: LEAST_TEMPERATURE < x < inf)
 
 
@@ -91,7 +91,7 @@ class FilmHeat:
         """Raise :class:`~contactstudy.InvalidInput` where a body or its coating has no properties of its own."""
         for number, (name, solid) in enumerate(zip(("first", "second"), solids, strict=True)):
             body, coated = getattr(self, name), isinstance(solid, Layered)
-            is_steel = not coated and OF_STEEL[0] <= getattr(solid, "youngs_modulus", 0.0) <= OF_STEEL[1]
+            is_steel = not coated and STEEL_MODULI[0] <= getattr(solid, "youngs_modulus", 0.0) <= STEEL_MODULI[1]
             fault = "" if body is not None or is_steel else "None, the properties of steel"
             if body is not None and (body.coating is None) == coated:
                 fault = f"with{'out' * coated} a coating"

@@ -1,4 +1,8 @@
-"""A scene names the effects of a contact, which decide on the method, and makes a problem of them on a grid."""
+"""A scene: load, bodies, shapes and effects that a user names of a contact, and the problem that they make on a grid.
+
+What it names decides on the method by which it is solved: see :mod:`~contactstudy.scene.combinations`. x runs across
+the contact, y along its length.
+"""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -16,7 +20,7 @@ from contactstudy.elasticity.convolution import Convolution, padded_cells, super
 from contactstudy.problem.constraint import Constraint, Control, PrescribedApproach, PrescribedLoad
 from contactstudy.problem.problem import AdhesionSolver, Derived, OuterSolver, Problem, Scales, refuse_too_large
 from contactstudy.scene import loads
-from contactstudy.scene.combinations import METHODS, REFUSED, STATIC, Method, changing_field, named_by
+from contactstudy.scene.combinations import STATIC, Method, changing_field, method_of, named_by, refuse_pairs
 from contactstudy.scene.shapes.roller import FiniteLength
 from contactstudy.scene.shapes.shape import (
     Shape,
@@ -59,14 +63,19 @@ class Friction(Protocol):
     """Friction law, as a value in ``Scene.friction``; its ``check(scene)``, if it has one, may refuse a scene."""
 
     def solver(self, scene: "Scene", grid: Grid, paddings: Paddings, datum: float) -> OuterSolver:
-        """Return the solver of this scene with friction, on a grid."""
+        """Return the solver of a scene with this friction on a grid, which has the solver of the pressure inside it.
+
+        The `datum` [m] is the distance from the axis at which the surface does not move.
+        """
 
 
-# Least approach over the width of the grid, for the scales of a scene without another scale.
+# Least approach over the width of the grid that gives the scale of pressure between flat bodies, so that an approach of
+# 0 m has one too.
 MIN_APPROACH_RATIO = 1e-6
-# Sum of the curvatures over the largest of them below which a convex body has the radius of the hollow one.
+# Sum of the curvatures over the largest of them below which the sum is rounding: the convex body has the radius of the
+# hollow one.
 CONFORMING = 1e-9
-# Length of the grid of a point contact over that of its ellipse.
+# Length of the grid of a point contact over that of its ellipse of contact.
 LENGTH_OVER_ELLIPSE = 1.2
 
 
@@ -126,13 +135,13 @@ class Scene(InNotebook):
         for number, shape in enumerate(self.shapes):
             valid(f"Scene.shapes[{number}].curvature", curvature_of(shape), float)
         self._check_curvatures()
-        self._check_combinations()
+        refuse_pairs(self)
         effects = self.rolling, self.friction, self.lubrication, self.adhesion, self.wear
         for part in (self.load, *effects, *self.solids):
             getattr(part, "check", lambda _: None)(self)
         self._check_outputs()
         if self.free_length < inf:
-            check_free_faces(self)
+            check_free_faces(self.free_length, self.shapes, self.hertz)
 
     def _check_curvatures(self) -> None:
         """Check that a hollow body has room for the other."""
@@ -144,29 +153,17 @@ class Scene(InNotebook):
                 "radius, give that of a hollow body below 0 m and a convex one that fits into it."
             )
 
-    def _check_combinations(self) -> None:
-        """Refuse two effects that cannot be combined."""
-        for effect, others, reason in REFUSED:
-            for other in others:
-                if self.named.issuperset((effect, other)):
-                    field = effect.removeprefix("Scene.")
-                    value = repr(getattr(self, field, None))
-                    is_short = hasattr(self, field) and len(value) < 60
-                    pair = f"{effect}{f' is {value}' * is_short} together with {other}"
-                    changing = f"{changing_field(self)}, which changes in time"
-                    raise InvalidInput(f"{pair.replace('a change in time', changing)}: {reason}.")
-
     def _check_outputs(self) -> None:
         """Check the outputs, of each kind of which there may be one, in a contact at rest one of each body."""
+        given = set()
         for number, output in enumerate(self.outputs):
-            alike = [other for other in self.outputs[:number] if type(other) is type(output)]
-            at_rest = self.method is STATIC
-            bodies = {getattr(other, "body", None) for other in (*alike, output)}
-            if alike and not (at_rest and len(bodies) > len(alike)):
+            kind = type(output), getattr(output, "body", None) if self.method is STATIC else None
+            if kind in given:
                 raise InvalidInput(
                     f"Scene.outputs[{number}] is {output!r}, the second of its kind: give one, or in a contact at rest "
                     "one of each body."
                 )
+            given.add(kind)
             output.check(self.solids)
 
     @cached_property
@@ -177,7 +174,7 @@ class Scene(InNotebook):
     @property
     def method(self) -> Method:
         """Method by which :func:`~contactstudy.solve` solves the scene."""
-        return next(method for words, method in METHODS if self.named.issuperset(words))
+        return method_of(self)
 
     @property
     def radius(self) -> float | None:
@@ -193,13 +190,13 @@ class Scene(InNotebook):
 
     @property
     def is_point_contact(self) -> bool:
-        """Whether a total load presses bodies that are curved both ways and have no length."""
+        """True if a total load presses bodies that are curved both ways and have no length."""
         is_total = isinstance(self.load, loads.TotalLoad) and self.load.length is None
         return is_total and min(self.curvatures) > 0 and self._shortest_roller is None
 
     @property
     def ellipse(self) -> HertzEllipse | None:
-        """Smooth point contact of a total load on bodies that are curved both ways and have no length, else None."""
+        """Smooth point contact of the scene, in which a coated body has its modulus at that width; None of lines."""
         if not self.is_point_contact:
             return None
         total, (across, along) = self.load.total, self.curvatures  # type: ignore[union-attr]
@@ -265,7 +262,10 @@ class Scene(InNotebook):
         return length if isinstance(self.load, loads.TotalLoad) else min(length, grid.length)
 
     def repeats(self, padding: Padding | Paddings) -> bool:
-        """Return whether `padding` makes a roller infinite: it repeats the length, and no shape may end or crown it."""
+        """Return whether `padding` makes a roller infinite: it repeats the length, and no shape may end or crown it.
+
+        A shape that does not name its length scales may.
+        """
         scales = [getattr(shape, "length_scales", None) for shape in self.shapes]
         is_free_along = is_free(across_and_along(padding)[1])
         return not is_free_along and all(of_shape and not of_shape.roller for of_shape in scales)
@@ -276,7 +276,7 @@ class Scene(InNotebook):
 
     @property
     def reference_load(self) -> float:
-        """Largest load [N/m], given or estimated from an approach, or more where the attraction adds to it."""
+        """Load [N/m] for the scales: the largest, or that of a smooth contact at an approach; more with adhesion."""
         largest = self.largest_load
         if isinstance(self.load, loads.Approach) and self.radius is not None:
             width = self.load.estimated_half_width(self.radius)
@@ -341,7 +341,7 @@ class Scene(InNotebook):
 
     @property
     def histories(self) -> tuple[Any, ...]:
-        """Load, speed of a film and friction, as far as they have a history with an end."""
+        """Load, speed of a film, and forces of friction, those that change in time and have an ``end`` [s]."""
         speed = getattr(self.lubrication, "mean_speed", None)
         given = self.load, speed, getattr(self.friction, "history", None)
         return tuple(history for history in given if hasattr(history, "end"))
@@ -372,9 +372,9 @@ class Scene(InNotebook):
 
     @property
     def has_approach(self) -> bool:
-        """False for bodies that creep as they roll.
+        """Whether the approach of the bodies is defined; it is not for bodies that creep as they roll.
 
-        Points far behind the contact relax, while those ahead do not. Their approach falls without limit with the
+        Points far behind the contact relax, while those ahead do not, so that the approach falls without limit with the
         logarithm of the speed.
         """
         return not (self.rolls and any(map(creeps, self.solids)))
@@ -465,7 +465,10 @@ class Scene(InNotebook):
         return PullOffSearch(solver, self.load.error)
 
     def source_with(self, grid: Grid, padding: Padding | Paddings, solver: "AdhesiveSolver | None") -> ShapesSource:
-        """Return the source from which the problem is made on other grids, with a solver that all its problems share."""
+        """Return the source from which the problem is made on other grids.
+
+        Shapes without an extent of their own get that of `grid`. All problems share the `solver` of the attraction.
+        """
         shapes = with_extent_of(self.shapes, grid)
         # a scene that stays the same is not checked again
         unchanged = all(map(is_, shapes, self.shapes))

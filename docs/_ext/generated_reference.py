@@ -98,7 +98,7 @@ INNER = (
     "scene.shapes.shape.ShapesSource",
     "scene.shapes.roughness.Profile",
     "scene.stress.SubsurfaceStressOperator",
-    "scene.solids.stress_model.HalfSpaceStress",
+    "elasticity.kernels.stress.HalfSpaceStress",
     "scene.solids.coated.CoatedStress",
     "solvers.fretting.PartialSlipShear",
     "solvers.coulomb.FullSliding",

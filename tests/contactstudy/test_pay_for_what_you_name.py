@@ -101,7 +101,7 @@ assert cs.solve(scene.problem(grid, exact)).status is cs.Status.CONVERGED
         contactstudy.elasticity.viscoelastic contactstudy.io.dataset contactstudy.lubrication
         contactstudy.scene.adhesion contactstudy.scene.solids.coated contactstudy.scene.friction
         contactstudy.scene.rolling contactstudy.scene.solids.inelastic
-        contactstudy.scene.solids.stress_model contactstudy.scene.stress
+        contactstudy.scene.stress
         contactstudy.solvers.adhesion contactstudy.solvers.coulomb contactstudy.solvers.plasticity""",
     ),
     (

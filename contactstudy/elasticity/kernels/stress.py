@@ -7,6 +7,7 @@ z into the body. The surface under pressure is free of tangential traction.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
+from typing import ClassVar
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebpts1, chebvander
@@ -593,3 +594,58 @@ for _name, _parity, _point, _corner, _plane in (
     ("xy", (-1, -1), lambda x, y, z, r, nu: x * y / r**3, lambda x, y, z, r, nu: -r, _zero),
 ):
     SURFACE[_name] = CellKernel(f"{_name} on the surface", _parity, _point, _corner, _plane, SWAPPED[_name], SURFACE)
+
+
+@dataclass(frozen=True)
+class StressCoefficients:
+    """Influence coefficients of one stress component at one depth, over pressure or tangential traction.
+
+    Parameters
+    ----------
+    component
+        Component, with the load on the surface that causes it.
+    depth
+        Depth below the surface [m].
+    poisson_ratio
+        Poisson's ratio of the half-space.
+    """
+
+    component: CellKernel
+    depth: float
+    poisson_ratio: float
+
+    @property
+    def parity(self) -> tuple[int, int]:
+        """Parity of the component in x and y."""
+        return self.component.parity
+
+    def swap_axes(self) -> "StressCoefficients":
+        """Return the component that takes this one's place when the axes are exchanged."""
+        return StressCoefficients(self.component.swap_axes(), self.depth, self.poisson_ratio)
+
+    def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
+        """Return the stress over the traction on one cell."""
+        return stress_cell(self.component, x, y, self.depth, dx, dy, self.poisson_ratio)
+
+    def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
+        """Return the stress over the traction on a cell and an infinite row of its images along y."""
+        cell = self.depth, dx, dy
+        return stress_cell_periodic(self.component, x, y, *cell, period, self.poisson_ratio)
+
+    def lattice(self, x: Array, y: Array, dx: float, dy: float, width: float, period: float) -> Array:
+        """Return the stress over the traction on a cell and an infinite lattice of its images."""
+        cell, periods = (self.depth, dx, dy), (width, period)
+        return stress_cell_doubly_periodic(self.component, x, y, *cell, *periods, self.poisson_ratio)
+
+
+@dataclass(frozen=True)
+class HalfSpaceStress:
+    """Stress in a homogeneous half-space of this `poisson_ratio`; it has no interface."""
+
+    poisson_ratio: float
+    interface_depths: ClassVar[tuple[float, ...]] = ()
+
+    def coefficients(self, traction: str, component: str, depth: float) -> tuple[tuple[StressCoefficients, float], ...]:
+        """Return the coefficients of Boussinesq and Cerruti, with the weight 1."""
+        families = {"pressure": BOUSSINESQ, "across": CERRUTI_ACROSS, "along": CERRUTI_ALONG}
+        return ((StressCoefficients(families[traction][component], depth, self.poisson_ratio), 1.0),)

@@ -238,12 +238,9 @@ class ProfilePointsTable:
             return roller.ProfilePoints(self.positions, self.drops, self.axis)
         remedy = "give a file of two columns with their units in the header, such as position [mm], drop [um]"
         try:
-            text = decoded((folder / self.file).read_bytes())
-        except OSError:
-            text = None
-        if text is None:
-            raise InvalidInput(f"ProfilePoints.file is {self.file!r}, which is no readable text: {remedy}.")
-        columns = table(self.file, text, None)
+            columns = table(self.file, decoded((folder / self.file).read_bytes()) or "", None)
+        except (OSError, InvalidInput) as error:
+            raise InvalidInput(f"ProfilePoints.file is {self.file!r}, which is no table: {remedy}.") from error
         units = [column_unit(name) for name in columns.names]
         if len(units) != 2 or None in units or not np.isfinite(columns.values).all():
             raise InvalidInput(f"ProfilePoints.file is {self.file!r}, with the columns {columns.names}: {remedy}.")

@@ -11,7 +11,7 @@ from contactstudy.domain.grid import Array, Grid
 from contactstudy.domain.validation import InvalidInput, valid, validated
 from contactstudy.scene.shapes.shape import LengthScales, no_gap
 
-# Axis along which a profile varies: along the length, or across the contact.
+# Axis along which a profile through points varies: along the length, or across the contact.
 Axis = Literal["along", "across"]
 
 
@@ -70,11 +70,11 @@ class ProfilePoints:
         """Return the drop at the cell centres [m], of shape (1, ny) or (nx, 1)."""
         from scipy.interpolate import PchipInterpolator  # imported late, since it is slow
 
-        at = np.asarray(grid.x if self.axis == "across" else grid.y)
+        position = np.asarray(grid.x if self.axis == "across" else grid.y)
         first, last = self.positions[0], self.positions[-1]
         # the middle of a whole profile is that of the grid
-        at = np.abs(at) if first == 0 else at + (first + last) / 2
-        drop = PchipInterpolator(self.positions, self.drops)(np.clip(at, first, last))
+        position = np.abs(position) if first == 0 else position + (first + last) / 2
+        drop = PchipInterpolator(self.positions, self.drops)(np.clip(position, first, last))
         return np.asarray(drop[:, None] if self.axis == "across" else drop[None, :])
 
 

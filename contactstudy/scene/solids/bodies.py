@@ -250,10 +250,6 @@ class SceneContext(Protocol):
         """Law of friction, or None."""
 
     @property
-    def has_tractive_rolling(self) -> bool:
-        """True if friction transmits a traction in steady rolling."""
-
-    @property
     def lubrication(self) -> Any:
         """Film between the bodies, or None."""
 
@@ -271,18 +267,6 @@ class SceneContext(Protocol):
 
     def loaded_length(self, grid: Grid, padding: Padding | Paddings) -> float:
         """Return the length [m] on which loads and forces per length act."""
-
-    @property
-    def free_length(self) -> float:
-        """Length [m] of the shortest body with free faces, infinite without one."""
-
-    @property
-    def rolling_speed(self) -> float | None:
-        """Speed [m/s] along x of a contact that rolls steadily; None for others."""
-
-    @property
-    def contact_modulus(self) -> float:
-        """Contact modulus E* [Pa]."""
 
     @property
     def radius(self) -> float | None:
@@ -391,19 +375,18 @@ def FreeFaces(solid: HalfSpace, length: float) -> HalfSpace:
     return replace(solid, free_faces=valid("FreeFaces.length", length, Metres))
 
 
-def check_free_faces(scene: SceneContext) -> None:
-    """Raise :class:`~contactstudy.InvalidInput` for a roller of another length, and for faces too near to each other.
+def check_free_faces(length: float, shapes: tuple[Shape, ...], hertz: HertzLine | None) -> None:
+    """Raise InvalidInput for a roller whose length is not that of a body with free faces, or for faces too near.
 
-    Faces are too near if they are less than `SHORTEST` half-widths apart. The `scene` has free faces.
+    The `length` [m] is that between the faces, `shapes` are those of the scene. By the half-width of its smooth line
+    contact `hertz`, which is None of a scene without one, faces are too near to each other.
     """
-    length = scene.free_length
-    for number, shape in enumerate(scene.shapes):
+    for number, shape in enumerate(shapes):
         if isinstance(shape, FiniteLength) and not isclose(shape.length, length):
             raise InvalidInput(
                 f"Scene.shapes[{number}] is {shape!r}, and contact ends at free faces {readable(length)} apart: leave "
                 "it out, or give the body that it ends faces of that length."
             )
-    hertz = scene.hertz
     if hertz is not None and length < SHORTEST * hertz.half_width:
         raise InvalidInput(
             f"HalfSpace.free_faces is {readable(length)}, and in a contact of the half-width "

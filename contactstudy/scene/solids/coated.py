@@ -1,10 +1,13 @@
-"""A half-space with a coating and layers between them, and the stress in it."""
+"""A half-space with a coating, and interlayers between both, and the stress in it.
+
+An interface is where two unlike materials meet. A layered body responds as a half-space of the coating's material, and
+each interface adds the change by the material below it, whose coefficients are sums over waves.
+"""
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,32 +17,34 @@ from contactstudy.elasticity.coating import CoatingCoefficients
 from contactstudy.elasticity.convolution import BoussinesqCoefficients, Coefficients
 from contactstudy.elasticity.kernels.layer_response import FAMILIES, DisplacementWaves, LayerResponse, StressWaves
 from contactstudy.elasticity.kernels.layer_waves import WaveCoefficients
+from contactstudy.elasticity.kernels.stress import HalfSpaceStress, StressCoefficients
 from contactstudy.scene.solids.bodies import HalfSpace
-from contactstudy.scene.solids.stress_model import StressCoefficients
 
 if TYPE_CHECKING:
     from contactstudy.elasticity.tangential import ShearCompliance
-    from contactstudy.scene.solids.stress_model import StressModel
 
-# Smaller weights are rounding.
+# Least weight of influence coefficients, beside others of about 1: smaller ones are rounding.
 LEAST_WEIGHT = 1e-14
-# The lower side of an interface, over its depth.
+# Depth of the lower side of an interface over that of the interface: stress jumps there, and the interface itself
+# belongs to the layer above it.
 BELOW = 1 + 1e-12
 
 
 @dataclass(frozen=True)
 class CoatedStress:
-    """Layers on a half-space, as a body that is under stress.
+    """Stress in layers on a half-space, under a load on one cell of the surface.
 
-    It begins with a half-space of the material at a depth, below the layers above it. Each interface below changes the
-    stress from that on a half-space of one material to that on a half-space of the next: at the depth mirrored in the
-    interface, by the stress under the strain in the one less that in the other, and by a remainder that decays within
-    the depth of the interface. At the depth of an interface the stress is that of the layer above it.
+    The stress at a depth is a sum. It begins with that in a half-space of the material at this depth. Each interface
+    below the depth adds the change from the layers above it on a half-space of the material above the interface to the
+    same layers on one of the material below it. This change is a closed form, and a remainder that decays within the
+    depth of the interface. The closed form is taken at the depth mirrored in the interface: it is the stress of the
+    material at the depth under the strain of a half-space of the material below the interface, less that under the
+    strain of one of the material above it.
 
     Parameters
     ----------
     responses
-        For each interface the materials above it and that below.
+        For each interface, from the surface down, the materials above it and the one below.
     depths
         Depths of the interfaces [m].
     """
@@ -53,8 +58,12 @@ class CoatedStress:
         return tuple(side for depth in self.depths for side in (depth, depth * BELOW))
 
     def coefficients(self, traction: str, component: str, depth: float) -> tuple[tuple[Coefficients, float], ...]:
-        """Return coefficients with their weights of a stress `component` at a `depth` [m] under a surface `traction`."""
-        # the interface above the depth, whose lower material that is; the first one for a depth in the outer layer
+        """Return coefficients with their weights of a stress `component` at a `depth` [m], tension positive.
+
+        The `traction` is "pressure", or tangential traction "across" or "along"; the `component` is xx, yy, zz, yz, xz
+        or xy.
+        """
+        # the interface next above the depth, which gives the material there; the first one for a depth in the coating
         above = max(sum(face < depth for face in self.depths) - 1, 0)
         terms: dict[Coefficients, float] = {}
 
@@ -78,9 +87,11 @@ class CoatedStress:
 
 
 def _strained(name: str, ratio: float, nu1: float, nu2: float) -> dict[str, float]:
-    """Return the stress `name` under the strain of a half-space, as weights of the stresses in that.
+    """Return the stress `name` (xx, yy or xy) in a material under the lateral strain and the zz of a half-space.
 
-    The `ratio` of the shear moduli is that over the half-space's, nu1 and nu2 are Poisson's ratios here and there.
+    It is a sum of stresses in the half-space, returned as weights by their names, by Hooke's law in both materials. The
+    `ratio` is the shear modulus of the material over that of the half-space, `nu1` Poisson's ratio of the material and
+    `nu2` that of the half-space.
     """
     if name == "xy":
         return {"xy": ratio}
@@ -90,9 +101,10 @@ def _strained(name: str, ratio: float, nu1: float, nu2: float) -> dict[str, floa
     return {name: ratio * (1 + both), transverse: ratio * both, "zz": b - ratio * a * (1 + 2 * b)}
 
 
-# Up to this ratio of shear moduli the coefficients are verified.
+# Largest ratio of the shear moduli of a material and of one below it, up to which the coefficients are verified.
 LARGEST_RATIO = 1e4
-# Wave number, times the half-width of a contact, of a wave of pressure under which the compliance is about the same.
+# Wave number, times the half-width of a contact, of a wave of pressure under which a layered body has about the
+# compliance that it has in the contact: chosen on line contacts of coatings, as accurate as `compliance_at` states.
 EQUIVALENT_WAVE_NUMBER = 1.2
 
 
@@ -153,12 +165,12 @@ class CoatedHalfSpace:
     @property
     def parts(self) -> dict[str, tuple[str, HalfSpace, float, float]]:
         """Words, material, and depths from and to [m] of each layer and the substrate, by the names of numbers."""
-        names = [f"interlayer_{number}" for number in range(len(self.interlayers))]
+        names = {"coating": "the coating"}
+        names |= {f"interlayer_{number}": f"interlayers[{number}]" for number in range(len(self.interlayers))}
         parts: dict[str, tuple[str, HalfSpace, float, float]] = {}
         depth = 0.0
-        for name, layer in zip(("coating", *names), self.layers, strict=True):
-            said = f"interlayers[{name[11:]}]" if name in names else "the coating"
-            parts[name] = said, layer, depth, (depth := depth + layer.thickness)
+        for (name, words), layer in zip(names.items(), self.layers, strict=True):
+            parts[name] = words, layer, depth, (depth := depth + layer.thickness)
         return parts | {"substrate": ("the substrate", self.substrate, depth, math.inf)}
 
     @property
@@ -177,40 +189,42 @@ class CoatedHalfSpace:
         response, depth = self.interfaces[-1]
         k = np.array([EQUIVALENT_WAVE_NUMBER * depth / half_width])
         ratio = float(np.real(response.compliances(k))[0, 0])
-        # that of a thin incompressible coating on a rigid substrate is lost in rounding
+        # the ratio of a thin incompressible coating on a rigid substrate is lost in rounding
         return self.compliance * max(ratio, np.finfo(np.float64).eps)
 
     def response(self, datum: float) -> Mapping[Coefficients, float]:
-        """Return the coefficients of a half-space of the coating's material, and the change by each material below."""
+        """Return the coefficients [m] of a half-space of the coating's material, and of the change by each interface.
+
+        Each has its weight [1/Pa]; `datum` [m] as of :meth:`HalfSpace.response`.
+        """
         alone = self.coating.response(datum)
         weight = alone[BoussinesqCoefficients(datum)]
         return {**alone, **dict.fromkeys(self._changes("pressure", "z", datum), weight)}
 
     def shear_compliance(self, datum: float) -> "ShearCompliance":
-        """Return the displacement under traction of a half-space of the coating, and the change by each one below."""
+        """Return the compliance under traction of a half-space of the coating, and the change by each interface."""
         along = self.coating.compliance / math.pi
         normal = along / (2 * (1 - self.coating.poisson_ratio))
-        return {
-            name: {
-                **of_coating,
-                **dict.fromkeys(self._changes("traction", name, datum), normal if name in ("x", "y") else along),
-            }
-            for name, of_coating in self.coating.shear_compliance(datum).items()
-        }
+        total = {name: dict(weights) for name, weights in self.coating.shear_compliance(datum).items()}
+        for name, weights in total.items():
+            changes = self._changes("traction", name, datum)
+            weights |= dict.fromkeys(changes, normal if name in ("x", "y") else along)
+        return total
 
     def _changes(self, load: str, name: str, datum: float) -> list[Coefficients]:
-        """Return the coefficients of the displacement `name` by each material below the coating, under a `load`."""
+        """Return the coefficients of the change of a displacement by each interface.
+
+        The `load` is "pressure" or "traction"; the displacement `name` is "z" under pressure, a key of the compliance
+        under traction.
+        """
         return [
             CoatingCoefficients(DisplacementWaves(response, load), depth, name, datum)
             for response, depth in self.interfaces
         ]
 
     @property
-    def stress_model(self) -> "StressModel":
+    def stress_model(self) -> HalfSpaceStress | CoatedStress:
         """The stress in the layers and in the substrate."""
-        # imported only for scenes with stress
-        from contactstudy.scene.solids.stress_model import HalfSpaceStress
-
         if not self.interfaces:
             return HalfSpaceStress(self.coating.poisson_ratio)
         responses, depths = zip(*self.interfaces, strict=True)
@@ -218,26 +232,20 @@ class CoatedHalfSpace:
 
     @cached_property
     def interfaces(self) -> tuple[tuple[LayerResponse, float], ...]:
-        """The materials above and just below each interface between unlike ones, and its depth [m]."""
-        materials, depths, depth = [replace(self.coating, thickness=math.inf)], [], 0.0
-        for layer, below in pairwise((*self.layers, self.substrate)):
-            depth += layer.thickness
-            if (material := replace(below, thickness=math.inf)) != materials[-1]:
+        """The materials above and just below each interface, as ratios to the coating's, and its depth [m]."""
+        materials, depths = [replace(self.coating, thickness=math.inf)], []
+        for _, part, top, _ in self.parts.values():
+            if (material := replace(part, thickness=math.inf)) != materials[-1]:
                 materials.append(material)
-                depths.append(depth)
+                depths.append(top)
         ratios = [_shear_modulus(self.coating) / _shear_modulus(material) for material in materials[1:]]
-        poisson_ratios = [material.poisson_ratio for material in materials]
-        return tuple(
-            (
-                LayerResponse(
-                    tuple(ratios[:number]),
-                    tuple(poisson_ratios[: number + 1]),
-                    tuple(above / depth for above in depths[:number]),
-                ),
-                depth,
-            )
-            for number, depth in enumerate(depths, 1)
-        )
+        poisson_ratios = tuple(material.poisson_ratio for material in materials)
+        interfaces = []
+        for number, depth in enumerate(depths, 1):
+            depths_over_this = tuple(above / depth for above in depths[:number])
+            response = LayerResponse(tuple(ratios[:number]), poisson_ratios[: number + 1], depths_over_this)
+            interfaces.append((response, depth))
+        return tuple(interfaces)
 
 
 def _shear_modulus(solid: HalfSpace) -> float:

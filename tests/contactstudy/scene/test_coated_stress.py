@@ -7,9 +7,8 @@ import pytest
 import contactstudy as cs
 from contactstudy.elasticity.kernels.layer_response import LayerResponse, StressWaves
 from contactstudy.elasticity.kernels.layer_waves import amplitudes
-from contactstudy.elasticity.kernels.stress import COMPONENTS
+from contactstudy.elasticity.kernels.stress import COMPONENTS, HalfSpaceStress
 from contactstudy.scene.solids.coated import BELOW, CoatedStress
-from contactstudy.scene.solids.stress_model import HalfSpaceStress
 from contactstudy.scene.stress import SubsurfaceStressOperator
 from tests.conftest import STEEL
 

@@ -5,8 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import contactstudy as cs
-from contactstudy.elasticity.kernels.stress import COMPONENTS
-from contactstudy.scene.solids.stress_model import HalfSpaceStress
+from contactstudy.elasticity.kernels.stress import COMPONENTS, HalfSpaceStress
 from contactstudy.scene.stress import SubsurfaceStressOperator
 from tests.conftest import STEEL, LineContact
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from math import sqrt
 from time import process_time
-from typing import Annotated
+from typing import Annotated, cast
 
 import numpy as np
 from scipy.special import erfinv
@@ -58,7 +58,7 @@ class Solve:
 
     def solved(self, max_iterations: int = 1000) -> cs.Contact:
         """Return the solution after at most ``max_iterations``."""
-        return cs.solve(self.problem, tolerance=TOLERANCE, max_iterations=max_iterations)
+        return cast(cs.Contact, cs.solve(self.problem, tolerance=TOLERANCE, max_iterations=max_iterations))
 
     def time_solve(self, surface: str, cells: int) -> None:
         """Solve."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from math import inf, isclose, isfinite, prod
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast, overload
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,8 +15,8 @@ from contactstudy.answers.answer import finer_grid, widened
 from contactstudy.answers.contact import Contact, contact_answer
 from contactstudy.domain.device import ONE_THREAD, Cpu, Device, using
 from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
-from contactstudy.domain.grid import Array, ExactPeriodicity, Grid, Padding, Paddings, on_cells
-from contactstudy.domain.validation import InvalidInput, Metres, checked_errors, readable, valid
+from contactstudy.domain.grid import Array, Grid, Padding, Paddings, on_cells
+from contactstudy.domain.validation import InvalidInput, checked_errors, readable, valid
 from contactstudy.problem.problem import Problem
 from contactstudy.progress import Progress, Reporter
 from contactstudy.scene import combinations as methods
@@ -50,33 +50,6 @@ MAX_CELLS_OF_SLIP, MAX_CELLS_OF_STRESS, MAX_ROW_OF_COATED_STRESS = 10_000, 200_0
 REFINEMENTS, ORDER, MARGIN, MAX_REFINEMENT, MAX_CELLS = 3, 1.25, 1.05, 3.0, 2_000_000
 
 
-@overload
-def solve(
-    scene: Problem,
-    *,
-    error: Request | str | None = None,
-    start: Array | Contact | Progress | None = None,
-    progress: Callable[[Progress], object] | None = None,
-    device: Device = Cpu(),  # noqa: B008 (a frozen value)
-    options: SolveOptions | None = None,
-    **named: Any,
-) -> Contact: ...
-@overload
-def solve(
-    scene: Scene,
-    grid: Grid | None = None,
-    padding: Padding | Paddings | None = None,
-    *,
-    error: Request | str | None = None,
-    period: float | None = None,
-    times: "ArrayLike | TimeSteps | None" = None,
-    start: "Array | Contact | Progress | LubricatedContact | None" = None,
-    folder: str | PathLike[str] | None = None,
-    progress: Callable[[Progress], object] | None = None,
-    device: Device = Cpu(),  # noqa: B008 (a frozen value)
-    options: SolveOptions | None = None,
-    **named: Any,
-) -> "Contact | LubricatedContact | Evolution": ...
 def solve(
     scene: Scene | Problem,
     grid: Grid | None = None,
@@ -186,8 +159,8 @@ class _Request:
             "device": not isinstance(self.device, Cpu),
             "period": period is not None and (is_problem or (grid is not None and not isclose(period, grid.length))),
         }
-        own = {"grid": "a problem has its own", "padding": "a problem has its own"}
-        why = own | {"period": "the grid has its own", "device": f"{method.kind} is solved on the CPU"}
+        why = dict.fromkeys(("grid", "padding"), "a problem has its own")
+        why |= {"period": "the grid has its own", "device": f"{method.kind} is solved on the CPU"}
         for name, is_given in arguments.items():
             if is_given and name not in method.keywords:
                 reason = why.get(name, f"{method.kind} has no use for it")
@@ -443,8 +416,6 @@ class _Request:
         from contactstudy.lubrication.steady_film import (
             MAX_CELLS,
             MAX_REQUESTED_CELLS,
-            PERIOD,
-            film_grid,
             finer_film_grid,
             solve_lubricated,
             varies_along,
@@ -456,15 +427,9 @@ class _Request:
                 "a somewhat higher speed."
             )
         smooth = self.grid is None and not any(map(varies_along, self.scene.shapes))
+        error = self.target if smooth or self.error is not None else None
         most_cells = MAX_CELLS if self.error is None else MAX_REQUESTED_CELLS
-        error, padding = self.target if smooth or self.error is not None else None, self.padding
-        if smooth:
-            assert error is not None  # it has a default without a grid
-            period = PERIOD if self.period is None else valid("solve.period", self.period, Metres)
-            first = film_grid(self.scene, error, period, most_cells=most_cells)
-        else:
-            first, padding = self.planned()
-
+        first, padding = self.planned()
         controls = FilmControls(
             tolerance=self.options.tolerance,
             max_iterations=self._film_options.max_iterations,
@@ -472,13 +437,12 @@ class _Request:
         )
 
         def solve_on(grid: Grid, start: Any) -> "LubricatedContact":
-            film = solve_lubricated(self.scene, grid, padding or ExactPeriodicity(), controls, start)
+            film = solve_lubricated(self.scene, grid, padding, controls, start)
             return film_answer(film, requested=self.requested)
 
         answer = solve_on(first, self.start)
-        for _ in range(FILM_REFINEMENTS):
-            if error is None:
-                break
+        for _ in range(FILM_REFINEMENTS if error is not None else 0):
+            assert error is not None
             self.report_bounds(answer)
             finer = finer_film_grid(
                 answer.grid, first, answer.requested_errors, error, most_cells, None if smooth else first

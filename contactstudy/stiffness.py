@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import exp, inf, isclose, log, pi
-from typing import Annotated, Any
+from typing import Annotated, Any, cast
 
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, minres
@@ -94,7 +94,7 @@ def _with_longer_range(contact: Contact) -> Contact:
     adhesion = replace(scene.adhesion, range=LONGER_RANGE * traction.range)
     longer = replace(scene, adhesion=adhesion).problem(contact.grid, contact.padding)
     answer = solve(longer, start=contact)
-    return answer if answer.status.has_converged else contact
+    return cast(Contact, answer) if answer.status.has_converged else contact
 
 
 def stiffness_error(contact: Contact, stiffness: float) -> float:

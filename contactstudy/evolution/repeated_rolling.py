@@ -15,8 +15,7 @@ from contactstudy.accuracy.coarser import coarsened
 from contactstudy.domain.device import Precision
 from contactstudy.domain.grid import Array, Grid, Padding, Paddings
 from contactstudy.domain.validation import InvalidInput
-from contactstudy.elasticity.eigenstrain.fourier_modes import Volume
-from contactstudy.elasticity.eigenstrain.plane_strain_operator import OuterStrain, PlaneStrainOperator
+from contactstudy.elasticity.eigenstrain.plane_strain_operator import OuterStrain, PlaneStrainOperator, Volume
 from contactstudy.evolution.states.plastic import (
     YieldingBody,
     check_paddings,

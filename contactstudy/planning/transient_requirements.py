@@ -8,7 +8,7 @@ import numpy as np
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.validation import readable
-from contactstudy.elasticity.eigenstrain.fourier_modes import Volume
+from contactstudy.elasticity.eigenstrain.plane_strain_operator import Volume
 from contactstudy.evolution.states.plastic import layers
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.grid_requirements import GridRequirements, grid_requirements, halvable_count

@@ -116,7 +116,8 @@ class BareProblem:
     chosen_operations
         Operations on fields; None chooses them by size and device.
     report
-        Called with each residual and its pressure (x, y) on this grid, not on coarser ones; None for nothing.
+        Called with each residual and its pressure (x, y), a numpy array, on this grid, not on coarser ones; None for
+        nothing.
     """
 
     undeformed_gap: Array
@@ -172,7 +173,7 @@ class BareProblem:
         """
         residual = largest_of(gap.violation, self.control.error(gap.load))
         if self.report is not None:
-            self.report(residual, pressure)
+            self.report(residual, device().to_numpy(pressure))
         return residual
 
     def gap(self, pressure: Array, displacement: Array, into: Gap | None = None) -> Gap:

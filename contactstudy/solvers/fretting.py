@@ -8,6 +8,9 @@ sum(q)`` under a given d. Source: Kalker (1990), ch. 4.
 
 Under a constant pressure a step from one reversal of the force to the next is exact in plane strain, as slip does not
 reverse within it. Source: Mindlin & Deresiewicz (1953), J. Appl. Mech. 20, 327.
+
+The limit of the traction is ``mu p`` (x, y), and the reference r. Steps in time, under pressures that change, are those
+of :class:`~contactstudy.evolution.states.state_variables.FrettingState`, by :func:`slip_step` too.
 """
 
 from collections.abc import Sequence
@@ -29,9 +32,9 @@ ROUNDING = 1e-6
 
 
 def transmission_status(force: float, limit: Array, grid: Grid) -> Status:
-    """Return whether a tangential `force` along x [N/m] of the length of `grid` acts: it does not on bodies apart.
+    """Return the status of a tangential `force` along x [N/m] of the length of `grid`: detached on bodies apart.
 
-    `limit` (x, y) [Pa] is the coefficient of friction times the pressure. Raises InvalidInput for a force above it.
+    `limit` (x, y) [Pa] is the coefficient of friction times the pressure. Raises InvalidInput for a force above its sum.
     """
     largest = float(limit.sum()) * grid.cell_area / grid.length
     if force and not largest:
@@ -105,11 +108,13 @@ def locked_shear(shear: Array, before: Array, after: Array, slope: float) -> Arr
     return reference
 
 
-# Difference of two forces over the largest one within which they count as the same.
+# Difference of two forces, or bulk stresses, over the largest one within which they count as the same: above rounding.
 SAME_FORCE = 1e-9
-# Parts of a loop between two forces, and the tolerance and the most applications of the response at their ends.
+# Parts into which a loop that is drawn is divided between two forces, and the tolerance and the most applications of the
+# response at their ends, finer than a line is drawn.
 LOOP_PARTS, LOOP_TOLERANCE, LOOP_APPLICATIONS = 8, 1e-6, 1000
-# Factor on friction with which a contact sticks all over.
+# Factor on friction with which a contact sticks all over: the traction at an edge that sticks grows over ``mu p`` like
+# half the cells in contact along x, of which there may be 2000.
 STICKING = 1e3
 # Convolutions of the full grid in an application of the response: as many as a traction has components.
 CONVOLUTIONS_PER_APPLICATION = 2.0
@@ -145,7 +150,7 @@ class FrettingShear:
 
     @property
     def _stresses(self) -> tuple[float, ...]:
-        """The bulk stress [Pa] at the start, 0, and with each force."""
+        """Bulk stress [Pa] at the start, 0, and with each force."""
         return (0.0, *(self.bulk_stresses or (0.0,) * len(self.forces_per_length)))
 
     def _stretch(self, grid: Grid, before: float, after: float) -> Array | None:
@@ -232,7 +237,7 @@ class FrettingShear:
 
 @dataclass(frozen=True, eq=False)
 class PartialSlipShear:
-    """Tangential traction of a `fretting` contact, without the slip and the energy, which partial slip leaves out."""
+    """Tangential traction of partial slip: that of a `fretting` contact, whose slip and energy are left out."""
 
     fretting: FrettingShear
 
@@ -246,10 +251,11 @@ class PartialSlipShear:
 
 
 def _last_cycle(forces: Sequence[float], stresses: Sequence[float]) -> tuple[int, int] | None:
-    """Return where the last whole cycle starts and ends: at a reversal and the next but one, at the same force.
+    """Return the indices of the `forces` at which the last whole cycle starts and ends; None if no cycle is whole.
 
-    The last force counts as a reversal, the first one, before which nothing has slipped, does not. The bulk `stresses`
-    are the same too; where they alone change, their reversals count.
+    A cycle is whole from a reversal to the next but one, at the same force. The last force counts as a reversal, the
+    first one, before which nothing has slipped, does not. The bulk `stresses` are the same too; where they alone change,
+    their reversals count.
     """
     if len(set(forces[1:])) == 1 < len(set(stresses)):
         forces, stresses = stresses, forces

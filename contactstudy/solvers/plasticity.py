@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.domain.grid import Array
-from contactstudy.elasticity.eigenstrain.fourier_modes import EigenstrainOperator
+from contactstudy.elasticity.eigenstrain.plane_strain_operator import EigenstrainOperator
 from contactstudy.solvers.conjugate_gradients import Stall, conjugate_gradients
 from contactstudy.solvers.solution import Solution
 

@@ -1,4 +1,8 @@
-"""The result of a solve: fields, and a status that says how far they can be trusted."""
+"""The result of a solve: fields in SI units, and a status that says how far they can be trusted.
+
+A tangential traction, of friction, and an adhesive one are parts of a solution, each with fields of its own. Numbers and
+the bounds of their errors are added by the answers, :mod:`contactstudy.answers.contact`.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -17,7 +21,7 @@ from contactstudy.problem.problem import Field, Problem
 
 # Dimensions of a field on the surface.
 OF_SURFACE = ("x", "y")
-# Numbers of a solver with their meaning, by name.
+# Numbers on the work of a solver, each with its meaning in words, by name.
 Counts = Mapping[str, tuple[float, str]]
 
 
@@ -140,7 +144,7 @@ class TangentialTraction:
     stick
         Cells (x, y) that stick.
     method
-        Method by which the traction was found, in words.
+        Method by which the traction was found, in words, such as "full sliding".
     iterations
         Number of applications of the response to traction. In tractive rolling it counts those on the finest grid in
         the last outer iteration, between pressure and traction. Where the traction follows from pressures alone, it is

@@ -7,6 +7,7 @@ each kind.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
+from typing import cast
 
 import numpy as np
 import xarray as xr
@@ -72,7 +73,7 @@ class HardCase:
     def solve(self, problem: cs.Problem, solver: cs.Solver) -> cs.Contact:
         """Return the solution of ``problem`` with this case's settings."""
         start = self.start(problem, solver) if self.start else None
-        return cs.solve(problem, start=start, options=replace(self.options, solver=solver))
+        return cast(cs.Contact, cs.solve(problem, start=start, options=replace(self.options, solver=solver)))
 
     def expects(self, solution: cs.Contact, padding: object) -> bool:
         """Return whether a solve with a padding may end so; free ends cut off what varies along the length."""

@@ -18,58 +18,29 @@ from scipy import fft
 from contactstudy.domain.device import threads
 from contactstudy.domain.grid import Array
 from contactstudy.elasticity.eigenstrain.fourier_modes import (
+    BASIS,
     Complex,
     Components,
-    Moduli,
     TractionWave,
-    Volume,
     Waves,
     stress_under_pressure,
     stress_under_shear,
 )
 from contactstudy.elasticity.eigenstrain.plane_strain_operator import (
-    PLANE_STRAIN_BASIS,
+    LayerConvolution,
+    Moduli,
     PlaneStrainOperator,
-    convolved,
+    Volume,
     log_distance,
-    real_spectrum,
 )
 
-# Number of yz among the two antiplane components xy and yz. Coefficients between the two are odd in x, others even.
-ODD_SHEAR = 1
 
-
-@dataclass(frozen=True, eq=False)
-class AntiplaneOperator:
-    """Map from plastic strain in antiplane shear, ``sqrt(2) xy`` and ``sqrt(2) yz``, to minus its residual stress."""
-
-    volume: Volume
-    moduli: Moduli
-
-    def __call__(self, strain: Array) -> Array:
-        """Return minus the residual stress (2, layers, x) [Pa] of plastic `strain` (2, layers, x)."""
-        return convolved(self._spectrum_and_blocks[0], strain, ODD_SHEAR)
-
-    @property
-    def diagonal_blocks(self) -> Array:
-        """Minus the residual stress of a cell by its own unit strain, by layer (layers, 2, 2) [Pa]."""
-        return self._spectrum_and_blocks[1]
-
-    @cached_property
-    def _spectrum_and_blocks(self) -> tuple[Array, Array]:
-        """Real matrices (waves, 2 layers, 2 layers) between layers, and blocks of a cell on itself (layers, 2, 2) [Pa].
-
-        Rows and columns of a matrix are in the order of component, then layer.
-        """
-        layers, across, _ = self.volume.shape
-        edges = np.array(self.volume.edges) / self.volume.grid.cell_size[0]
-        blocks = 2 * self.moduli.shear * antiplane_means(across, edges)
-        spectrum = np.array(
-            [[real_spectrum(blocks[i, j], is_odd=(i == ODD_SHEAR, j == ODD_SHEAR)) for j in range(2)] for i in range(2)]
-        )
-        spectrum = spectrum.transpose(4, 0, 2, 1, 3).reshape(-1, 2 * layers, 2 * layers)
-        layer_numbers = np.arange(layers)
-        return spectrum, np.moveaxis(blocks[:, :, layer_numbers, layer_numbers, 0], -1, 0)
+def antiplane_convolution(volume: Volume, moduli: Moduli) -> LayerConvolution:
+    """Return the map from plastic strain ``sqrt(2) xy`` and ``sqrt(2) yz`` (2, layers, x) to minus its stress [Pa]."""
+    edges = np.array(volume.edges) / volume.grid.cell_size[0]
+    means = 2 * moduli.shear * antiplane_means(volume.shape[1], edges)
+    # coefficients between xy and yz are odd in x, others even
+    return LayerConvolution.from_means(np.moveaxis(means, 2, 0), volume, np.array([1.0, -1.0]))
 
 
 def antiplane_means(count: int, edges: Array) -> Array:
@@ -81,7 +52,9 @@ def antiplane_means(count: int, edges: Array) -> Array:
     Minus the residual stress over 2G is the plastic strain less the total strain. The total strain is given by second
     derivatives of the function N in the docstring of this module. Means over the cells of stress and sums over those of
     strain are differences of its integrals. The integrals of ln r depend on the difference of the depths of stress and
-    source, so that a difference over the depth of the source changes their sign. Those of ln R depend on the sum.
+    source, so that a difference over the depth of the source changes their sign. Those of ln R depend on the sum. The
+    second derivatives xx and zz of ln R add up to zero, and the means of those of ``ln r / (2 pi)`` to 1 in the cell of
+    the strain and to zero in others.
     """
     x = np.arange(-1.0, count + 1)
     direct = _integrals(x, edges[:, None, None] - edges[:, None])
@@ -96,15 +69,15 @@ def antiplane_means(count: int, edges: Array) -> Array:
         change = np.diff(np.diff(field, axis=0), axis=1)
         return (change[..., 2:] - 2 * change[..., 1:-1] + change[..., :-2]) / thickness
 
-    (near_xx, near_xz, near_zz), (far_xx, far_xz, far_zz) = (
+    (near_xz, near_zz), (far_xz, far_zz) = (
         [mean(field) / (2 * np.pi) for field in fields] for fields in (direct, image)
     )
-    identity = (np.eye(len(edges) - 1)[..., None]) * (x[1:-1] == 0)
-    return np.array(((identity + near_xx - far_xx, near_xz + far_xz), (near_xz - far_xz, identity + near_zz + far_zz)))
+    identity = np.eye(len(edges) - 1)[..., None] * (x[1:-1] == 0)
+    return np.array(((far_zz - near_zz, near_xz + far_xz), (near_xz - far_xz, identity + near_zz + far_zz)))
 
 
-def _integrals(x: Array, z: Array) -> tuple[Array, Array, Array]:
-    """Return the second derivatives xx, xz, zz of ``ln r``, each integrated twice over x and twice over z.
+def _integrals(x: Array, z: Array) -> tuple[Array, Array]:
+    """Return the second derivatives xz and zz of ``ln r``, each integrated twice over x and twice over z.
 
     Polynomials of so low a degree that the differences over cells remove them are left out.
     """
@@ -113,14 +86,11 @@ def _integrals(x: Array, z: Array) -> tuple[Array, Array, Array]:
     by_x = np.sign(x) * np.arctan2(z, np.abs(x))
     by_z = np.sign(z) * np.arctan2(x, np.abs(z))
     return (
-        ((z * z - x * x) * log) / 2 + x * z * by_x,
         x * z * log + (z * z * by_z + x * x * by_x) / 2,
         ((x * x - z * z) * log) / 2 + x * z * by_z,
     )
 
 
-# The tensors of plane strain, then sqrt(2) xy and sqrt(2) yz, in terms of xx, yy, zz, yz, xz, xy.
-BASIS = np.vstack((PLANE_STRAIN_BASIS, np.eye(6)[[5, 3]] / 2**0.5))
 # A wave with wave number k along the length decays across like exp(-k |x|). The period across is so long that its
 # repeated image has at most this fraction of it.
 WRAP = 1e-8
@@ -132,11 +102,11 @@ TOGETHER = 2**15
 class PeriodicOperator:
     """Linear maps on plastic strain that varies along a period, for more than one cell along.
 
-    An :class:`~contactstudy.elasticity.eigenstrain.fourier_modes.EigenstrainOperator`. The mean along the length is
-    plane strain and antiplane shear, in closed form on an infinite axis. The part that varies along the length is a
+    It is an :class:`~contactstudy.elasticity.eigenstrain.plane_strain_operator.EigenstrainOperator`. The mean along the
+    length is plane strain and antiplane shear, in closed form on an infinite axis. The part that varies along it is a
     sum of waves that repeat across, with periods so long that an image contributes at most the fraction `WRAP`. Waves
     longer than two cells act on all layers. Shorter waves, which represent the edges of cells, act on their own layer
-    and on those at most `NEAR` cells away, a constant of the module `fourier_modes`.
+    and on its neighbours.
 
     Fields written (..., orders) are transformed along the length alone; (..., period, orders) are transformed across
     too.
@@ -253,9 +223,9 @@ class PeriodicOperator:
         return PlaneStrainOperator(replace(self.volume, grid=alone), self.moduli)
 
     @cached_property
-    def _antiplane(self) -> AntiplaneOperator:
-        """Operator on the mean of antiplane strain along the length."""
-        return AntiplaneOperator(self.volume, self.moduli)
+    def _antiplane(self) -> LayerConvolution:
+        """Map from the mean of antiplane strain along the length to minus its stress."""
+        return antiplane_convolution(self.volume, self.moduli)
 
     @cached_property
     def _groups(self) -> tuple["WaveGroup", ...]:
@@ -315,7 +285,7 @@ def _groups(volume: Volume, moduli: Moduli) -> Iterator[WaveGroup]:
             window,
             (np.arange(window.start, window.stop) - volume.first) % period,
             np.where(2 * numbers == ny, 1, 2) / period,
-            Waves.from_orders(volume, moduli, numbers, period),
+            Waves(volume, moduli, numbers, period),
         )
 
 

@@ -1,66 +1,188 @@
 """Stress and surface displacement by plastic strain in plane strain, in a volume and uniform beyond either side of it.
 
+:class:`EigenstrainOperator` is what the solution of a yielding contact needs of a body below its surface: linear maps
+on the plastic strain in a :class:`Volume`. This module has them in plane strain, with one cell along the length; the
+module `periodic_operator` has those that vary along it. "Eigenstrain" is strain without stress (Mura 1987), such as
+plastic strain.
+
 Closed forms give the stress by a cell of plastic strain, or by one under traction. The former are means over cells of
 derivatives of the Airy stress function of a half-space free of traction, ``G = [r^2 ln(r / R) + 2 z z'] / (8 pi)``,
-which solves ``nabla^4 G = delta`` with G = dG/dz = 0 at z = 0; r is the distance from the source and R that from its
-mirror source. Every mean is a difference over edges of an integral of G.
+which solves ``nabla^4 G = delta`` with G = dG/dz = 0 at z = 0; r is the distance from the source at the depth z' and R
+that from its mirror source. Means over cells of the stress, and sums over cells of the strain, are differences over
+edges of integrals of G. One difference over x is the change, over a cell of stress, of the sum over all cells of
+strain to one side; two are the mean over a cell by another.
 
-:class:`PlaneStrainOperator` convolves fields in the volume across, wave by wave, with a real matrix between all layers
-for each wave: one component is odd in x, the others are even, and multiplying the waves of the odd one by -i makes the
-matrices real. Transforms are padded so far that nothing wraps around. :class:`OuterStrain` sums the closed forms over
-all cells on either side of the volume.
+In-plane components are xx, zz and ``sqrt(2) xz``, offsets and edges are in cells across. The stress xz is odd in x, the
+others are even.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache, cached_property
+from itertools import pairwise
+from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft
-from scipy.special import zeta
 
-from contactstudy.domain.grid import Array
-from contactstudy.elasticity.eigenstrain.fourier_modes import Moduli, Volume
-
-# Means of the stresses xx, zz and xz by a traction on one cell, from offsets and edges.
-TractionKernel = Callable[[Array, Array], tuple[Array, Array, Array]]
-# Derivatives of G by depth of the stress (m) and of the source (n); by x there are 4 - m - n.
-DERIVATIVE_ORDERS = tuple((m, n) for m in range(3) for n in range(3))
+from contactstudy.domain.grid import Array, Grid
 
 
-def airy_means(count: int, edges: Array, layer: int) -> Mapping[tuple[int, int], Array]:
-    """Return means of derivatives of Airy's stress function G over a cell of one `layer`, by sources in all layers.
+@dataclass(frozen=True)
+class Moduli:
+    """Elastic constants of an isotropic half-space: `youngs_modulus` [Pa] and `poisson_ratio`."""
 
-    For each (m, n) of `DERIVATIVE_ORDERS` it is ``d_z^m d_z'^n d_x^(4-m-n) G`` with depths z of the stress and z' of
-    the source; G is that of a half-space free of traction. The arrays (layers, x) are at `count` offsets 0, 1, 2 ...
-    across; offsets and the `edges` of the layers are in cells. Errors from cancellation grow like the offset squared,
-    to some 3e-9 of the largest mean at 1000 cells.
+    youngs_modulus: float
+    poisson_ratio: float
+
+    @property
+    def shear(self) -> float:
+        """Shear modulus ``G = E / (2 (1 + nu))`` [Pa]."""
+        return self.youngs_modulus / (2 * (1 + self.poisson_ratio))
+
+    @property
+    def plane_strain(self) -> float:
+        """Plane-strain modulus ``E / (1 - nu^2)`` [Pa]."""
+        return self.youngs_modulus / (1 - self.poisson_ratio**2)
+
+
+@dataclass(frozen=True)
+class Volume:
+    """Box of cells below the surface that may yield, in layers.
+
+    It has the cells `first` to `last`, exclusive, of `grid` across and all of its cells along. `edges` [m] are the
+    depths between layers, at least 0, one more than layers.
+    """
+
+    grid: Grid
+    first: int
+    last: int
+    edges: tuple[float, ...]
+
+    @property
+    def rows(self) -> slice:
+        """Cells of the grid across that the volume covers, as a slice."""
+        return slice(self.first, self.last)
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Number of cells (layers, x, y)."""
+        return len(self.edges) - 1, self.last - self.first, self.grid.cells[1]
+
+    @property
+    def thicknesses(self) -> Array:
+        """Thickness of each layer (layers,) [m]."""
+        return np.diff(np.array(self.edges))
+
+    @property
+    def depths(self) -> Array:
+        """Depth of the middle of each layer (layers,) [m]."""
+        edges = np.array(self.edges)
+        return np.asarray((edges[1:] + edges[:-1]) / 2)
+
+    @property
+    def cell_volumes(self) -> Array:
+        """Volume of a cell in each layer (layers, 1, 1) [m^3], which broadcasts to cells."""
+        return self.thicknesses[:, None, None] * self.grid.cell_area
+
+
+class EigenstrainOperator(Protocol):
+    """Linear maps on plastic strain e (component, layers, x, y), constant in each cell of a volume, to cell means.
+
+    Components are deviatoric, in an orthonormal (Mandel) basis of C tensors: 3 in plane strain, 5 otherwise. x points
+    across, y along, z into the body. Stress is positive in tension, pressure in compression; plastic strain has no
+    unit.
+
+    Methods speak of three maps. S gives the stress under a pressure, its transpose the displacement by a strain. B
+    gives minus the residual stress by a strain: in the inner product
+    of cell volumes it is symmetric, with eigenvalues above 0 and below 2 G, twice the shear modulus.
+    """
+
+    @property
+    def volume(self) -> Volume:
+        """Box of cells that carry plastic strain."""
+
+    @property
+    def moduli(self) -> Moduli:
+        """Elastic constants of the body."""
+
+    @property
+    def basis(self) -> Array:
+        """Basis of the components (C, 6) in terms of xx, yy, zz, yz, xz, xy.
+
+        The squares of a tensor's entries, shear counted twice, add up to 1.
+        """
+
+    @property
+    def diagonal_blocks(self) -> Array:
+        """Minus the residual stress of a cell by its own unit strain, (layers, C, C) [Pa].
+
+        These are the blocks on the diagonal of the map B of :meth:`negative_residual_stress`.
+        """
+
+    def stress_of_pressure(self, pressure: Array) -> Array:
+        """Return the deviatoric stress S p (C, layers, x, y) [Pa] under `pressure` p (x, y) [Pa] on the whole grid."""
+
+    def stress_of_shear(self, shear: Array) -> Array:
+        """Return the deviatoric stress (C, layers, x, y) [Pa] under `shear` along x (x, y) [Pa] on the whole grid."""
+
+    def negative_residual_stress(self, strain: Array) -> Array:
+        """Return B e, minus the deviatoric residual stress (C, layers, x, y) [Pa] of plastic `strain` e."""
+
+    def residual_displacement(self, strain: Array) -> Array:
+        """Return the surface displacement ``S^T e`` (x, y) [m] by plastic `strain` e, into the body, on the whole grid.
+
+        ``sum(u * p) * cell area = sum(cell volume * e : S p)`` for any pressure p, with the displacement u returned.
+        """
+
+    def residual_stress_tensor(self, strain: Array) -> Array:
+        """Return the residual stress xx, yy, zz, yz, xz, xy of plastic `strain` e, (6, layers, x, y) [Pa].
+
+        It is the stress without pressure; its deviator is -B e.
+        """
+
+
+# Factors on in-plane components, and on those of PLANE_STRAIN_BASIS, when x changes its sign.
+PARITIES = np.array([1.0, 1.0, -1.0])
+# The order m of the derivative of G by depth in the stresses xx, zz and sqrt(2) xz, and n in the strains; by x it is
+# 4 - m - n. With Airy's function phi, xx = d_z^2 phi, zz = d_x^2 phi and xz = -d_x d_z phi, and plastic strain e makes
+# nabla^4 phi = -E' (d_z^2 e_xx + d_x^2 e_zz - 2 d_x d_z e_xz), E' being E / (1 - nu^2); d_x' G = -d_x G.
+DEPTH_ORDERS = 2, 0, 1
+# The factors on these derivatives in minus the stresses, and in the strains.
+STRESS_FACTORS, STRAIN_FACTORS = np.array([1, 1, -(2**0.5)]), np.array([1, 1, 2**0.5])
+
+
+def strain_in_half_lines(count: int, edges: Array) -> Iterator[Array]:
+    """Yield minus the mean stress over E' in each layer by unit strain in half of a layer, x > 0, less a half.
+
+    E' is the plane-strain modulus, the `edges` are those of the layers. What is left out is half of the stress by strain
+    in all of the layer. The arrays (3, 3, layers, count + 1) are by the in-plane component of the stress, that of the
+    strain, the layer of the strain, and the cell of the stress, which begins at x = -1, 0 ... `count` - 1. Errors from
+    cancellation grow like the offset squared, to some 3e-9 of the largest mean by one cell at 1000 cells.
     """
     x = np.arange(-1.0, count + 1)
-    below, above = (_integrals(x, edges[layer + side], edges) for side in (1, 0))
-    thickness = edges[layer + 1] - edges[layer]
-    means = {}
-    for orders in DERIVATIVE_ORDERS:
-        change = np.diff(below[orders] - above[orders], axis=0)
-        means[orders] = (change[:, 2:] - 2 * change[:, 1:-1] + change[:, :-2]) / thickness
-    return means
+    factors = np.multiply.outer(STRESS_FACTORS, STRAIN_FACTORS)[..., None, None]
+    integrals = (factors * np.diff(_integrals(x, z, edges)) for z in edges)
+    for (above, below), thickness in zip(pairwise(integrals), np.diff(edges), strict=True):
+        yield np.diff(below - above, axis=2) / thickness
 
 
-def _integrals(x: Array, z: float, source: Array) -> dict[tuple[int, int], Array]:
-    """Return ``d_z^(m-1) d_z'^(n-1) d_x^(2-m-n) G`` (source, x) for each (m, n), at offsets `x` and depth `z`.
+def _integrals(x: Array, z: float, source: Array) -> Array:
+    """Return ``d_z^(m-1) d_z'^(n-1) d_x^(2-m-n) G`` (3, 3, source, x) at offsets `x` and depth `z`.
 
-    G is Airy's stress function, and `source` the depths z' of its sources. As ``r^2 = R^2 - 4 z z'``,
-    ``8 pi G = r^2 ln r - R^2 ln R + 4 z z' ln R + 2 z z'``. Polynomials that the differences over cells
-    remove are left out.
+    G is Airy's stress function, `source` the depths z' of its sources, and m and n are `DEPTH_ORDERS` of the first two
+    axes. As ``r^2 = R^2 - 4 z z'``, ``8 pi G = r^2 ln r - R^2 ln R + 4 z z' ln R + 2 z z'``. Polynomials that the
+    differences over cells remove are left out.
     """
     z_source = source[:, None]
     direct = _direct_terms(x, z - z_source)
     image = _direct_terms(x, z + z_source)
     products = _product_terms(x, z, z_source)
-    return {
-        (m, n): (-((-1) ** n) * direct[m + n] - image[m + n] + 4 * products[m, n]) / (8 * np.pi)
-        for m, n in DERIVATIVE_ORDERS
-    }
+    terms = [
+        [-((-1) ** n) * direct[m + n] - image[m + n] + 4 * products[m, n] for n in DEPTH_ORDERS] for m in DEPTH_ORDERS
+    ]
+    return np.array(terms) / (8 * np.pi)
 
 
 def log_distance(squared: Array) -> Array:
@@ -88,7 +210,7 @@ def _direct_terms(x: Array, z: Array) -> tuple[Array, ...]:
 
 
 def _product_terms(x: Array, z: float, source: Array) -> dict[tuple[int, int], Array]:
-    """Return ``d_z^(m-1) d_z'^(n-1) d_x^(2-m-n) (z z' ln R)`` for each (m, n), with z' the depths of the `source`.
+    """Return ``d_z^(m-1) d_z'^(n-1) d_x^(2-m-n) (z z' ln R)`` for m and n of 0, 1 and 2, with z' the depths of `source`.
 
     R is the distance from the mirror source. Polynomials that the differences over cells remove are left out.
     """
@@ -98,7 +220,7 @@ def _product_terms(x: Array, z: float, source: Array) -> dict[tuple[int, int], A
     # ln w, integrated zero, one and two times
     log_integrals = log, w * (log - 1), w * w / 2 * (log - 1.5)
     derivatives = {}
-    for m, n in DERIVATIVE_ORDERS:
+    for m, n in np.ndindex(3, 3):
         s, t = m - 1, n - 1  # orders in z and z', by Leibniz' rule, which holds for -1 too
         rotation = 1j ** ((2 - m - n) % 4)
         plain, once, twice = ((rotation * term).real for term in log_integrals)
@@ -106,48 +228,45 @@ def _product_terms(x: Array, z: float, source: Array) -> dict[tuple[int, int], A
     return derivatives
 
 
-def stress_means_under_pressure(offsets: Array, edges: Array) -> tuple[Array, Array, Array]:
-    """Return means of the stresses xx, zz and xz over cells under one cell of unit pressure, each (layers, x).
+# Function that returns the stress under a traction on x > 0, from the offsets x and the edges of the layers.
+TractionKernel = Callable[[Array, Array], Array]
 
-    `offsets` of the stress from the pressure and `edges` of the layers are in cells. Source: the integrals of Johnson
-    (1985), eqs. 2.23, over the cells.
+
+def pressure_on_half_line(x: Array, edges: Array) -> Array:
+    """Return the in-plane stress (3, layers, cells) by unit pressure on x > 0, less half of that on all of the surface.
+
+    It is the mean over the cells between neighbouring offsets `x`, in the layers between `edges`. Source: the integrals
+    of Johnson (1985), eqs. 2.23, over the cells.
     """
-    x, z, squared, log, angle = _from_one_cell(offsets, edges)
-    return _means(
-        edges,
-        (z * z * log - x * z * angle) / np.pi,
-        -x * (z * angle + x * log) / np.pi,
-        (squared * angle - x * z) / (2 * np.pi),
-    )
+    z, squared, log, angle = _polar(x, edges)
+    xx, zz = z * z * log - x * z * angle, -x * (z * angle + x * log)
+    return _means(edges, xx / np.pi, zz / np.pi, (squared * angle + x * z) / (2 * np.pi))
 
 
-def stress_means_under_shear(offsets: Array, edges: Array) -> tuple[Array, Array, Array]:
-    """Return means of the stresses xx, zz and xz over cells by unit tangential traction on one cell, each (layers, x).
+def shear_on_half_line(x: Array, edges: Array) -> Array:
+    """Return the in-plane stress (3, layers, cells) by unit shear along x on x > 0, less a constant of each layer.
 
-    Arguments are those of :func:`stress_means_under_pressure`. Source: the integrals of Johnson (1985), eqs. 2.23, over
-    the cells: zz and xz are xz and xx of a pressed cell, and ``xx + zz = -2 x / (pi r^2)`` below a line of force.
+    Arguments and source are those of :func:`pressure_on_half_line`: zz and xz are xz and xx of a pressed line, and
+    ``xx + zz = -2 x / (pi r^2)`` below a line of force.
     """
-    x, z, squared, log, angle = _from_one_cell(offsets, edges)
+    z, squared, log, angle = _polar(x, edges)
     by_x = np.sign(x) * np.arctan2(z, np.abs(x))
-    zz = (squared * angle - x * z) / (2 * np.pi)
+    zz = (squared * angle + x * z) / (2 * np.pi)
     trace = -2 / np.pi * (x * z * log + (z * z * angle + x * x * by_x) / 2)
     return _means(edges, trace - zz, zz, (z * z * log - x * z * angle) / np.pi)
 
 
-def _from_one_cell(offsets: Array, edges: Array) -> tuple[Array, Array, Array, Array, Array]:
-    """Return x, z, r^2, ln r and the angle from the z axis at the edges of cells, (edge across, edge, x)."""
-    x = (offsets + np.array([-1.0, 0.0, 1.0])[:, None])[:, None, :]
+def _polar(x: Array, edges: Array) -> tuple[Array, Array, Array, Array]:
+    """Return z, r^2, ln r and the angle from the z axis (edges, x)."""
     z = edges[:, None]
     squared = x * x + z * z
-    return x, z, squared, log_distance(squared), np.arctan2(x, z)
+    return z, squared, log_distance(squared), np.arctan2(x, z)
 
 
-def _means(edges: Array, *integrals: Array) -> tuple[Array, Array, Array]:
-    """Return the means (layers, x) over cells of three stresses, integrated twice over x and once over z."""
-    thickness = np.diff(edges)[:, None]
-    changes = [np.diff(integral, axis=1) for integral in integrals]
-    xx, zz, xz = ((change[2] - 2 * change[1] + change[0]) / thickness for change in changes)
-    return xx, zz, xz
+def _means(edges: Array, xx: Array, zz: Array, xz: Array) -> Array:
+    """Return the in-plane means (3, layers, cells) of stresses that are integrated once more over x and over z."""
+    integrals = np.stack((xx, zz, 2**0.5 * xz))
+    return np.diff(np.diff(integrals, axis=1), axis=2) / np.diff(edges)[:, None]
 
 
 def padded_across(across: int) -> int:
@@ -155,38 +274,58 @@ def padded_across(across: int) -> int:
     return int(fft.next_fast_len(2 * across, real=True))
 
 
-def real_spectrum(means: Array, *, is_odd: tuple[bool, bool]) -> Array:
-    """Return the real factors (..., waves) that convolve one component with another.
+@dataclass(frozen=True, eq=False)
+class LayerConvolution:
+    """Convolution across of fields (component, layer, x), wave by wave with a real matrix between all layers.
 
-    `means` (..., x) are the coefficients at offsets 0, 1, 2 ... in cells. `is_odd` says of the result and of the source
-    whether it is the component that is odd in x.
+    Some components are odd in x, the others even; that the waves of odd ones are multiplied by -i makes the matrices
+    real. Transforms are padded so far that nothing wraps around.
+
+    Attributes
+    ----------
+    matrices
+        Matrices (waves, components layers, components layers) in the order of component, then layer.
+    diagonal_blocks
+        Effect of each cell on itself (layers, components, components).
+    phases
+        The factor -i of odd components and 1 of even ones (components, 1, 1).
     """
-    across = means.shape[-1]
-    around = np.zeros((*means.shape[:-1], padded_across(across)))
-    around[..., :across] = means
-    sign = -1 if is_odd[0] != is_odd[1] else 1
-    around[..., around.shape[-1] - across + 1 :] = sign * means[..., :0:-1]
-    waves = fft.rfft(around, axis=-1)
-    if sign > 0:
-        return np.asarray(waves.real)
-    # the transform of an odd field is -i times its sine transform
-    return np.asarray(waves.imag if is_odd[0] else -waves.imag)
 
+    matrices: Array
+    diagonal_blocks: Array
+    phases: NDArray[np.complex128]
 
-def convolved(matrices: Array, fields: Array, odd: int) -> Array:
-    """Return `fields` (components, layers, x) convolved across, wave by wave.
+    @classmethod
+    def from_means(cls, means: Iterable[Array], volume: Volume, parities: Array) -> "LayerConvolution":
+        """Return the convolution in `volume` with the effect of one cell on those in the same layers at x = 0, 1, 2 ...
 
-    `matrices` are (waves, components layers, components layers); `odd` is the number of the component odd in x.
-    """
-    components, layers, across = fields.shape
-    padded = padded_across(across)
-    waves = fft.rfft(fields, padded, axis=-1)
-    waves[odd] *= -1j
-    columns = np.ascontiguousarray(np.moveaxis(waves, -1, 0)).reshape(-1, components * layers, 1)
-    products = np.matmul(matrices, columns.view(np.float64))
-    result = np.moveaxis(products.view(np.complex128).reshape(-1, components, layers), 0, -1)
-    result[odd] *= 1j
-    return np.asarray(fft.irfft(result, padded, axis=-1)[..., :across])
+        `means` has an array for each layer of the result, by its component, the component and the layer of the source,
+        and x. `parities` are the factors on the components when x changes its sign.
+        """
+        layers, across, _ = volume.shape
+        padded, components = padded_across(across), len(parities)
+        phases = np.where(parities < 0, -1j, 1)[:, None, None]
+        mirrored = np.multiply.outer(parities, parities)[..., None, None]
+        matrices = np.empty((padded // 2 + 1, components, layers, components, layers))
+        diagonal_blocks = np.empty((layers, components, components))
+        for layer, of_layer in enumerate(means):
+            diagonal_blocks[layer] = of_layer[:, :, layer, 0]
+            around = np.zeros((*of_layer.shape[:-1], padded))
+            around[..., :across] = of_layer
+            around[..., padded - across + 1 :] = mirrored * of_layer[..., :0:-1]
+            waves = phases[..., None] * fft.rfft(around, axis=-1) / phases
+            matrices[:, :, layer] = np.moveaxis(waves.real, -1, 0)
+        return cls(matrices.reshape(-1, components * layers, components * layers), diagonal_blocks, phases)
+
+    def __call__(self, fields: Array) -> Array:
+        """Return the `fields` (components, layers, x) convolved."""
+        components, layers, across = fields.shape
+        padded = padded_across(across)
+        waves = self.phases * fft.rfft(fields, padded, axis=-1)
+        columns = np.ascontiguousarray(np.moveaxis(waves, -1, 0)).reshape(-1, components * layers, 1)
+        products = np.matmul(self.matrices, columns.view(np.float64))
+        result = np.moveaxis(products.view(np.complex128).reshape(-1, components, layers), 0, -1)
+        return np.asarray(fft.irfft(result / self.phases, padded, axis=-1)[..., :across])
 
 
 # (xx - zz) / sqrt(2), (2 yy - xx - zz) / sqrt(6) and sqrt(2) xz, in terms of xx, yy, zz, yz, xz, xy.
@@ -197,22 +336,14 @@ PLANE_STRAIN_BASIS = np.array(
         (0, 0, 0, 0, 1 / 2**0.5, 0),
     )
 )
-# The derivatives of G in -(xx, zz, sqrt(2) xz) by strain (xx, zz, sqrt(2) xz), and their factors. With Airy's function
-# phi, xx = d_z^2 phi, zz = d_x^2 phi and xz = -d_x d_z phi, and plastic strain e makes
-# nabla^4 phi = -E' (d_z^2 e_xx + d_x^2 e_zz - 2 d_x d_z e_xz), E' being E / (1 - nu^2); d_x' G = -d_x G.
-DERIVATIVES = (((2, 2), (2, 0), (2, 1)), ((0, 2), (0, 0), (0, 1)), ((1, 2), (1, 0), (1, 1)))
-FACTORS = np.array(((1, 1, 2**0.5), (1, 1, 2**0.5), (-(2**0.5), -(2**0.5), -2)))
-# Number of the component that is odd in x.
-ODD = 2
 
 
 @dataclass(frozen=True, eq=False)
 class PlaneStrainOperator:
-    """Linear maps on plastic strain in plane strain, for one cell along the length.
+    """Linear maps on plastic strain in plane strain, for one cell along the length: an :class:`EigenstrainOperator`.
 
-    An :class:`~contactstudy.elasticity.eigenstrain.fourier_modes.EigenstrainOperator`. Strain and stress are means
-    over cells, so that the residual stress of a piecewise constant strain is minus the derivative of its elastic
-    energy: a symmetric map in the inner product of cell volumes.
+    Strain and stress are means over cells, so that the residual stress of a piecewise constant strain is minus the
+    derivative of its elastic energy: a symmetric map in the inner product of cell volumes.
     """
 
     volume: Volume
@@ -225,11 +356,11 @@ class PlaneStrainOperator:
 
     def stress_of_pressure(self, pressure: Array) -> Array:
         """Return the deviatoric stress (3, layers, x, 1) [Pa] under `pressure` (x, 1) [Pa]."""
-        return self.deviator(self._stress_of_traction(pressure))
+        return self._stress_of_traction(pressure, pressure_on_half_line)
 
     def stress_of_shear(self, shear: Array) -> Array:
         """Return the deviatoric stress (3, layers, x, 1) [Pa] under `shear` along x (x, 1) [Pa]."""
-        return self.deviator(self._stress_of_traction(shear, stress_means_under_shear))
+        return self._stress_of_traction(shear, shear_on_half_line)
 
     def negative_residual_stress(self, strain: Array) -> Array:
         """Return minus the deviatoric residual stress (3, layers, x, 1) [Pa] of plastic `strain`."""
@@ -243,7 +374,7 @@ class PlaneStrainOperator:
 
         By reciprocity it is the stress under unit pressure on the strain times the thickness of each layer.
         """
-        volume, spectrum = self.volume, self._spectrum_of(stress_means_under_pressure)
+        volume, spectrum = self.volume, self._spectrum_of(pressure_on_half_line)
         first, last = volume.first, volume.last
         padded = self._padded_grid
         moments = np.zeros((3, volume.shape[0], last))
@@ -259,7 +390,7 @@ class PlaneStrainOperator:
     def diagonal_blocks(self) -> Array:
         """Minus the residual stress of a cell by its own unit strain, by layer (layers, 3, 3) [Pa]."""
         mixing = self._mixing
-        blocks: Array = np.einsum("ai,lab,bj->lij", mixing, self._spectrum_and_blocks[1], mixing)
+        blocks: Array = np.einsum("ai,lab,bj->lij", mixing, self._convolution.diagonal_blocks, mixing)
         blocks[:, 1, 1] += self.moduli.youngs_modulus * PLANE_STRAIN_BASIS[1, 1] ** 2
         return blocks
 
@@ -275,34 +406,30 @@ class PlaneStrainOperator:
         return np.asarray(np.einsum("ai,i...->a...", self._mixing, strain))
 
     def deviator(self, stress: Array) -> Array:
-        """Return the deviatoric components (3, ...) of an in-plane `stress` xx, zz, sqrt(2) xz (3, ...).
-
-        The stress along the length is yy = nu (xx + zz).
-        """
+        """Return the deviatoric components (3, ...) of an in-plane `stress` (3, ...), with yy = nu (xx + zz)."""
         return np.asarray(np.einsum("ai,a...->i...", self._mixing, stress))
 
-    def tensor(self, stress: Array, out_of_plane: Array | None) -> Array:
-        """Return the stress tensor (6, ...) [Pa] of an in-plane `stress` xx, zz, sqrt(2) xz (3, ...) [Pa].
+    def tensor(self, stress: Array, out_of_plane: Array | float) -> Array:
+        """Return the stress tensor (6, ...) [Pa] of an in-plane `stress` (3, ...) [Pa].
 
-        `out_of_plane` is the component of plastic strain along the length, if there is any.
+        `out_of_plane` is the second component of plastic strain in the same cells, which has all of its yy.
         """
         xx, zz, xz = stress
-        tensor = np.zeros((6, *xx.shape))
-        tensor[0], tensor[2], tensor[4] = xx, zz, xz / 2**0.5
-        tensor[1] = self.moduli.poisson_ratio * (xx + zz)
-        if out_of_plane is not None:
-            tensor[1] -= self.moduli.youngs_modulus * PLANE_STRAIN_BASIS[1, 1] * out_of_plane
-        return tensor
+        yy = (
+            self.moduli.poisson_ratio * (xx + zz) - self.moduli.youngs_modulus * PLANE_STRAIN_BASIS[1, 1] * out_of_plane
+        )
+        zeros = np.zeros_like(xx)
+        return np.stack((xx, yy, zz, zeros, xz / 2**0.5, zeros))
 
-    def _stress_of_traction(self, traction: Array, kind: TractionKernel = stress_means_under_pressure) -> Array:
-        """Return the in-plane stress (3, layers, x, 1) [Pa] under a `traction` (x, 1) [Pa], pressure or shear."""
+    def _stress_of_traction(self, traction: Array, kernel: TractionKernel) -> Array:
+        """Return the deviatoric stress (3, layers, x, 1) [Pa] under a `traction` (x, 1) [Pa], pressure or shear."""
         padded = self._padded_grid
-        waves = self._spectrum_of(kind) * fft.rfft(traction[:, 0], padded)
-        return np.asarray(fft.irfft(waves, padded, axis=-1)[..., self.volume.rows, None])
+        waves = self._spectrum_of(kernel) * fft.rfft(traction[:, 0], padded)
+        return self.deviator(fft.irfft(waves, padded, axis=-1)[..., self.volume.rows, None])
 
     def _negative_residual(self, strain: Array) -> Array:
         """Return minus the in-plane residual stress (3, layers, x, 1) [Pa] of plastic `strain`."""
-        return convolved(self._spectrum_and_blocks[0], self.in_plane(strain)[..., 0], ODD)[..., None]
+        return self._convolution(self.in_plane(strain)[..., 0])[..., None]
 
     @property
     def _padded_grid(self) -> int:
@@ -320,61 +447,27 @@ class PlaneStrainOperator:
         """Function that returns the spectrum (3, layers, waves) from a traction to in-plane stress, each found once."""
         return cache(self._spectrum)
 
-    def _spectrum(self, kind: TractionKernel) -> Array:
+    def _spectrum(self, kernel: TractionKernel) -> Array:
         """Return the spectrum (3, layers, waves) from a traction, pressure or shear, to in-plane stress."""
         volume, padded = self.volume, self._padded_grid
-        offsets = np.arange(volume.first - volume.grid.cells[0] + 1, volume.last)
-        xx, zz, xz = kind(offsets.astype(np.float64), self.edges_in_cells)
+        offsets = np.arange(volume.first - volume.grid.cells[0], volume.last + 1)
         around = np.zeros((3, volume.shape[0], padded))
-        around[..., offsets % padded] = np.stack((xx, zz, 2**0.5 * xz))
+        around[..., offsets[1:-1] % padded] = np.diff(kernel(offsets.astype(np.float64), self.edges_in_cells))
         return np.asarray(fft.rfft(around, axis=-1))
 
-    def negative_residual_means(self, count: int, layer: int) -> Iterator[tuple[int, int, Array]]:
-        """Yield minus the in-plane residual stress [Pa] of one `layer`, for each pair of components.
-
-        Each item is the component i of the stress, the component j of the unit strain, and the means over a cell
-        (layers of the strain, x) at `count` offsets 0, 1, 2 ... across.
-        """
-        means = airy_means(count, self.edges_in_cells, layer)
-        for i, j in np.ndindex(3, 3):
-            yield i, j, (self.moduli.plane_strain * FACTORS[i, j]) * means[DERIVATIVES[i][j]]
-
     @cached_property
-    def _spectrum_and_blocks(self) -> tuple[Array, Array]:
-        """Matrices (waves, 3 layers, 3 layers) from in-plane strain to minus its stress [Pa], and that of a cell itself.
-
-        The latter is minus the residual stress (layers, 3, 3) [Pa] of a cell by its own in-plane strain.
-        """
-        layers, across, _ = self.volume.shape
-        spectrum = np.empty((padded_across(across) // 2 + 1, 3, layers, 3, layers))
-        diagonal_blocks = np.empty((layers, 3, 3))
-        for layer in range(layers):
-            for i, j, means in self.negative_residual_means(across, layer):
-                diagonal_blocks[layer, i, j] = means[layer, 0]
-                spectrum[:, i, layer, j] = real_spectrum(means, is_odd=(i == ODD, j == ODD)).T
-        return spectrum.reshape(-1, 3 * layers, 3 * layers), diagonal_blocks
-
-
-# Terms that are odd across are summed one by one up to a distance of this number of depths of the volume. Beyond it the
-# sum of their asymptote is added.
-DEPTHS = 16
-# Factors on the components when x changes its sign: -1 for the shear xz, 1 for the others.
-MIRRORED = np.where(np.arange(len(PLANE_STRAIN_BASIS)) == ODD, -1.0, 1.0)
-# Powers n of the two leading terms 1 / x^n of the asymptote of odd terms at the distance x.
-POWERS = np.array([3.0, 5.0])
+    def _convolution(self) -> LayerConvolution:
+        """Map from in-plane strain to minus its in-plane stress [Pa]."""
+        half_lines = strain_in_half_lines(self.volume.shape[1], self.edges_in_cells)
+        means = (self.moduli.plane_strain * np.diff(stress) for stress in half_lines)
+        return LayerConvolution.from_means(means, self.volume, PARITIES)
 
 
 @dataclass(frozen=True, eq=False)
 class OuterStrain:
     """Influence of plastic strain beyond the volume of an `operator`, at smaller x (left) and at larger x (right).
 
-    On either side strain does not vary along x: it is a profile (3, layers), of the deviatoric components of plane
-    strain, ``(xx - zz) / sqrt(2), (2 yy - xx - zz) / sqrt(6), sqrt(2) xz``. In-plane components are xx, zz and
-    ``sqrt(2) xz``.
-
-    Coefficients are summed over all cells of a side. Those between xz and another component are odd across, the others
-    are even. Sums of even ones follow from the closed form of the sum over both sides. Odd ones are replaced by their
-    asymptote beyond `DEPTHS` depths, with an error of 1e-6 of the largest.
+    On either side strain does not vary along x: it is a profile (3, layers), of the components of `PLANE_STRAIN_BASIS`.
     """
 
     operator: PlaneStrainOperator
@@ -385,81 +478,43 @@ class OuterStrain:
 
     def tensor(self, left: Array, right: Array) -> Array:
         """Return the stress tensor (6, layers, x, 1) [Pa] that the profiles make in the volume, without pressure."""
-        return self.operator.tensor(-self._negative_residual(left, right), None)
+        return self.operator.tensor(-self._negative_residual(left, right), 0.0)
 
     def residual_displacement(self, left: Array, right: Array) -> Array:
         """Return the surface displacement (x, 1) [m] into the body; the volume has all cells of the grid across."""
-        thicknesses, cells = self.operator.volume.thicknesses, self.operator.volume.grid.cells[0]
-        sums = self._surface_displacements[..., :cells]
-        by_left, by_right = (
-            np.einsum("al,alx->x", self.operator.in_plane(profile) * thicknesses, signs * sums)
-            for profile, signs in ((left, MIRRORED[:, None, None]), (right, 1.0))
-        )
+        by_left, by_right = np.einsum("sal,alx->sx", self._seen_from_inside(left, right), self._surface_displacements)
         return np.asarray((by_left + by_right[::-1])[:, None])
 
     def _negative_residual(self, left: Array, right: Array) -> Array:
         """Return minus the in-plane residual stress (3, layers, x, 1) [Pa] of the profiles."""
-        sums = self._stresses
-        mirrored = np.multiply.outer(MIRRORED, MIRRORED)[:, None, :, None, None]
-        by_left = np.einsum("iljmx,jm->ilx", sums, self.operator.in_plane(left))
-        by_right = np.einsum("iljmx,jm->ilx", mirrored * sums, self.operator.in_plane(right))
-        return np.asarray((by_left + by_right[..., ::-1])[..., None])
+        by_left, by_right = np.einsum("iljmx,sjm->silx", self._stresses, self._seen_from_inside(left, right))
+        return np.asarray((by_left + PARITIES[:, None, None] * by_right[..., ::-1])[..., None])
+
+    def _seen_from_inside(self, left: Array, right: Array) -> Array:
+        """Return the in-plane strains (side, 3, layers) of the profiles, the right one mirrored."""
+        return np.stack((self.operator.in_plane(left), PARITIES[:, None] * self.operator.in_plane(right)))
 
     @cached_property
     def _stresses(self) -> Array:
-        """Minus the in-plane stress (3, layer, 3, layer of strain, x) by all cells more than x cells to the left."""
+        """Minus the in-plane stress (3, layer, 3, layer of strain, x) [Pa] by unit strain in all cells on the left."""
         operator = self.operator
         layers, across, _ = operator.volume.shape
         stresses = np.empty((3, layers, 3, layers, across))
-        for layer in range(layers):
-            for i, j, means in operator.negative_residual_means(self._count, layer):
-                if (i == ODD) != (j == ODD):
-                    sums = _odd_sums(means)
-                else:
-                    # uniform strain leaves only the stress xx of its own layer
-                    uniform = np.zeros((layers, 1))
-                    uniform[layer] = operator.moduli.plane_strain if i == j == 0 else 0.0
-                    sums = _even_sums(means, uniform)
-                stresses[i, layer, j] = sums[:, :across]
-        return stresses
+        for layer, half_line in enumerate(strain_in_half_lines(across, operator.edges_in_cells)):
+            stresses[:, layer] = -half_line[..., 1:]
+            # uniform strain leaves only the stress xx of its own layer
+            stresses[0, layer, 0, layer] += 0.5
+        return operator.moduli.plane_strain * stresses
 
     @cached_property
     def _surface_displacements(self) -> Array:
-        """Sums of in-plane stress (3, layers, x) by unit pressure in a cell, over all cells more than x to its right.
+        """Displacement (3, layers, x) into the body by unit in-plane strain in all cells on the left [m].
 
-        By reciprocity they are also the displacement of that cell by the strain in those, per thickness of a layer.
+        By reciprocity it is the stress in those cells by unit pressure on a cell at x. Under pressure on all of the
+        surface, xx = zz = -1.
         """
-        xx, zz, xz = stress_means_under_pressure(np.arange(float(self._count)), self.operator.edges_in_cells)
-        # under unit pressure on all of the surface, xx = zz = -1
-        uniform = -np.ones((len(xx), 1))
-        sums = _even_sums(xx, uniform), _even_sums(zz, uniform), _odd_sums(2**0.5 * xz)
-        return np.stack(sums)
-
-    @property
-    def _count(self) -> int:
-        """Number of cells across over which odd terms are summed one by one."""
-        deep = DEPTHS * self.operator.edges_in_cells[-1]
-        return int(max(deep, self.operator.volume.grid.cells[0])) + 1
-
-
-def _even_sums(values: Array, total: Array) -> Array:
-    """Return sums of even `values` (..., distance) over all distances above 0, above 1 ... on one side.
-
-    The values do not change when the distance changes its sign. `total` is the sum over the distance 0 and both sides.
-    """
-    before = np.cumsum(values[..., 1:], axis=-1) - values[..., 1:]
-    return np.asarray((total - values[..., :1]) / 2 - before)
-
-
-def _odd_sums(values: Array) -> Array:
-    """Return sums of odd `values` (..., distance) over all distances above 0, above 1 ... on one side.
-
-    The values change their signs with the distance. Beyond the last distance they are extrapolated with the negative
-    powers `POWERS` of the distance, fitted to the last value and to that at half its distance.
-    """
-    last = values.shape[-1] - 1
-    fitted = np.array([last, last // 2])
-    factors = np.linalg.solve((fitted[:, None] / last) ** -POWERS, values[..., fitted].T)
-    # Hurwitz's zeta function is the sum of 1 / x^n over all distances beyond the last
-    remainder = (zeta(POWERS, last + 1.0) * float(last) ** POWERS) @ factors
-    return np.asarray(np.cumsum(values[..., :0:-1], axis=-1)[..., ::-1] + remainder[:, None])
+        operator = self.operator
+        half_line = pressure_on_half_line(np.arange(operator.volume.grid.cells[0] + 1.0), operator.edges_in_cells)
+        of_half = np.array([-0.5, -0.5, 0.0])[:, None, None] - half_line
+        # the strain is at smaller x than the pressure
+        return PARITIES[:, None, None] * of_half * operator.volume.thicknesses[:, None]

@@ -11,8 +11,12 @@ from numpy.typing import NDArray
 from contactstudy.domain.device import Precision
 from contactstudy.domain.grid import Array, Grid
 from contactstudy.domain.validation import InvalidInput
-from contactstudy.elasticity.eigenstrain.fourier_modes import EigenstrainOperator, Moduli, Volume
-from contactstudy.elasticity.eigenstrain.plane_strain_operator import PlaneStrainOperator
+from contactstudy.elasticity.eigenstrain.plane_strain_operator import (
+    EigenstrainOperator,
+    Moduli,
+    PlaneStrainOperator,
+    Volume,
+)
 from contactstudy.elasticity.kernels.stress import COMPONENTS
 from contactstudy.evolution.states.state_variables import State
 from contactstudy.problem.constraint import largest_of
@@ -28,10 +32,12 @@ from contactstudy.solvers.plasticity import (
 )
 from contactstudy.solvers.solution import CoupledSolution, Solution, Status, net_pressure
 
-# The first volume holds the columns of cells in contact and a MARGIN of their width on both sides. Since a step is
-# repeated in a larger volume where yield reaches its edge, this changes the time and not the accuracy.
-MARGIN = 0.15
-# Fraction of its width or depth by which a volume then grows, with the same effect.
+# The first volume holds the columns of cells in contact and a MARGIN of their width on both sides. Before each step a
+# volume grows until the stress of the contact, without further plastic flow, is below NEAR_YIELD of the yield stress at
+# its edge. Since a step is repeated in a larger volume where yield reaches its edge, both change the time and not the
+# accuracy: without that growth, one step to four times the load of first yield takes three times as long.
+MARGIN, NEAR_YIELD = 0.15, 0.9
+# Fraction of its width or depth by which a volume grows, with the same effect.
 GROWTH = 0.3
 
 
@@ -226,9 +232,14 @@ class PlasticState:
         guess
             State at the end of the step to begin with; None begins with that at its start.
         """
+        strains, _ = self._in_volumes(state if guess is None else guess)
+        pairs = zip(self.operators, strains, strict=True)
+        first = contact(np.asarray(sum(operator.residual_displacement(strain) for operator, strain in pairs)))
+        while self._grown([self._elastic_excess(number, first, attraction) for number in range(len(self.bodies))]):
+            pass
         while True:
             # first, because the state of a continued integration may be in larger volumes
-            first, _ = self._in_volumes(state if guess is None else guess)
+            start, _ = self._in_volumes(state if guess is None else guess)
             strains, equivalents = self._in_volumes(state)
             laws = tuple(body.hardening for body in self.bodies)
             bodies = YieldingBodies(tuple(self.operators), laws)
@@ -236,17 +247,16 @@ class PlasticState:
             solve_under = partial(
                 solve_elastoplastic_step, bodies, contact,
                 partial(contact_tangent, precision=self.precision),
-                before, equivalent, tolerance, guess=bodies.concatenated(first),
+                before, equivalent, tolerance, guess=bodies.concatenated(start),
             )  # fmt: skip
             adhesive_stress = np.zeros_like(before)
             if attraction is not None:
                 adhesive_stress = bodies.stress_of_pressure(-attraction)
             if self._slides:
-                step = self._solve_with_friction(
-                    bodies, contact(bodies.residual_displacement(before)), adhesive_stress, solve_under, tolerance
-                )
+                step = self._solve_with_friction(bodies, first, adhesive_stress, solve_under, tolerance)
             else:
                 step = solve_under(adhesive_stress)
+                step = replace(step, contacts=(first, *step.contacts))
             if not self._grown(bodies.split(step.equivalent_increment)):
                 break
         strains = bodies.split(step.strain)
@@ -268,6 +278,17 @@ class PlasticState:
         ):
             solution = replace(solution, status=Status.YIELD_AT_EDGE)
         return CoupledSolution(solution, after, step.energy)
+
+    def _elastic_excess(self, number: int, solution: Solution, attraction: Array | None) -> Array:
+        """Return the von Mises stress of a contact (layers, x, y) [Pa] in a body less `NEAR_YIELD` of its yield stress.
+
+        It leaves out the residual stress.
+        """
+        body, operator = self.bodies[number], self.operators[number]
+        stress = operator.stress_of_pressure(solution.pressure - (0 if attraction is None else attraction))
+        if self._slides:
+            stress += self._stress_of_traction(body, operator, solution)
+        return np.asarray(np.sqrt(1.5 * (stress**2).sum(axis=0)) - NEAR_YIELD * body.hardening.yield_stress)
 
     def _solve_with_friction(
         self,

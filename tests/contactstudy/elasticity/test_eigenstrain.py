@@ -9,9 +9,15 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.domain.grid import Grid
-from contactstudy.elasticity.eigenstrain.fourier_modes import Components, EigenstrainOperator, Moduli, Volume, Waves
-from contactstudy.elasticity.eigenstrain.periodic_operator import AntiplaneOperator, PeriodicOperator
-from contactstudy.elasticity.eigenstrain.plane_strain_operator import OuterStrain, PlaneStrainOperator
+from contactstudy.elasticity.eigenstrain.fourier_modes import Components, Waves
+from contactstudy.elasticity.eigenstrain.periodic_operator import PeriodicOperator, antiplane_convolution
+from contactstudy.elasticity.eigenstrain.plane_strain_operator import (
+    EigenstrainOperator,
+    Moduli,
+    OuterStrain,
+    PlaneStrainOperator,
+    Volume,
+)
 from contactstudy.elasticity.kernels.stress import BOUSSINESQ, stress_cell_periodic
 from tests.conftest import STEEL as STEEL_BODY
 
@@ -144,7 +150,7 @@ def test_half_lines_of_strain_are_the_limit_of_finite_strips() -> None:
 def test_what_does_not_vary_along_the_length_is_plane_strain() -> None:
     operator = small()
     alone = Volume(Grid((9, 1), operator.volume.grid.extent), 3, 7, operator.volume.edges)
-    plane, antiplane = PlaneStrainOperator(alone, STEEL), AntiplaneOperator(alone, STEEL)
+    plane, antiplane = PlaneStrainOperator(alone, STEEL), antiplane_convolution(alone, STEEL)
     strain = noise(plane)
     along, shear = np.zeros((2, 5, *operator.volume.shape))
     along[:3], shear[3:] = strain, strain[:2]
@@ -163,13 +169,13 @@ def test_what_does_not_vary_along_the_length_is_plane_strain() -> None:
 def test_waves_add_up_to_the_closed_forms_of_an_infinite_axis() -> None:
     cells, period = 12, 1501
     volume = Volume(Grid((cells, 1), (12.0, 1e9)), 0, cells, (0.0, 0.7, 1.4, 2.1, 3.5, 4.5))
-    waves = Waves.from_orders(volume, STEEL, np.array([1e-3]), period)
+    waves = Waves(volume, STEEL, np.array([1e-3]), period)
     x, z = volume.grid.x[:, None], volume.depths[:, None, None]
     shape = np.exp(-((x / 3) ** 2) - ((z - 2) / 1.5) ** 2)
     strain = np.array([0.3, -0.5, 0.8, 0.6, -0.4])[:, None, None, None] * shape
     computed = -np.fft.ifft(waves.stress(np.fft.fft(strain, period, axis=2), Components.DEVIATOR), axis=2)
     computed = computed[:, :, :cells].real
-    plane, antiplane = PlaneStrainOperator(volume, STEEL), AntiplaneOperator(volume, STEEL)
+    plane, antiplane = PlaneStrainOperator(volume, STEEL), antiplane_convolution(volume, STEEL)
     # short waves between layers further apart than the next: a per mille; the period: 1 / X
     assert np.abs(computed[:3] - plane.negative_residual_stress(strain[:3])).max() < 2e-3
     assert np.abs(computed[3:, ..., 0] - antiplane(strain[3:, ..., 0])).max() < 2e-3

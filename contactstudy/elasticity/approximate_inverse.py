@@ -1,13 +1,17 @@
-"""Preconditioner of a contact problem: a pressure on the active set, the contact, from its displacement.
+"""Preconditioner of a contact problem: from the displacement of the active set to an approximate pressure on it.
 
-1. A displacement ``u`` known on the contact is extended to all cells with nearly the least energy, as a harmonic
-   function would be, here for a nonlocal operator: by a normalised convolution.
-2. It is divided by the spectrum of the periodic grid.
-3. The pressure is restricted to the contact by the transposed extension.
+The active set is the cells in contact, whose gap should be zero. For a displacement ``u`` known on it
 
-Extending ``u`` by zeros instead makes a fragmented contact far too stiff, by more with every halving of the cells.
-With ``w`` = 1 in the contact and 0 elsewhere, the extension outside the contact is the weighted mean ``G(u) / G(w)``,
-in which the nearest cells of the contact weigh most.
+1. ``u`` is extended to all cells with nearly the least elastic energy,
+2. the extended displacement is divided by the spectrum of the operator on the periodic grid,
+3. the pressure is restricted to the set by the transposed extension.
+
+:class:`SpectralInverse` does this; :class:`FreeEndsInverse` does it near the free ends of a grid. Their ``extension``
+is made once for an active set, and then maps fields: it holds steps 1 and 3 in one object.
+
+Extending ``u`` by zeros instead makes a fragmented contact far too stiff, by more with every halving of the cells. With
+``w`` = 1 in the contact and 0 elsewhere, the extension outside the contact is the weighted mean ``G(u) / G(w)``, a
+normalised convolution, in which the nearest cells of the contact weigh most.
 
 The extension of least energy is the mean of ``u`` over the first hitting point of a Levy flight whose jumps are
 distributed as the inverse ``S`` of the operator couples cells, like ``r^-3`` (Kyprianou, Osojnik & Shardlow 2018). Its
@@ -16,6 +20,7 @@ kernel falls like ``r^-3`` beyond the width of the holes in the contact, and mor
 ``t`` sets.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from functools import cached_property, partial
 from math import ceil, log2, prod
@@ -27,67 +32,30 @@ from contactstudy.domain.device import Cpu, arrays, device
 from contactstudy.domain.grid import Array, compiled_loops, device_loops, first_cells
 from contactstudy.elasticity.transforms import ComplexField, transforms
 
-# Largest ratio of the spectrum's values for single precision, whose round-off is the same in all wave numbers.
+# Largest ratio of two values of the spectrum in single precision. A transform's rounding, 1e-7 of the largest value, is
+# the same in all wave numbers: beyond this ratio the smallest would have fewer than three digits.
 SINGLE_RANGE = 1e4
-# Length of the smoothing kernel over the width of a hole; of 1, 1.5, 2 and 3 this takes the fewest iterations on sparse
-# contacts, and of 1, 2 and 4 the fewest in the sum over 15 contacts.
+# Length of the smoothing kernel of G over the width of a hole. Of 1, 1.5, 2 and 3 this takes the fewest iterations on
+# sparse contacts, and of 1, 2 and 4 the fewest in the sum over 15 contacts.
 HOLES = 2.0
-# Multiple of the machine epsilon and the largest weight below which a weight is round-off of a transform.
+# A weight G(w) below this multiple of the machine epsilon and the largest weight is rounding of a transform.
 NOISE = 100.0
 # Ratio of the sides of a cell above which cells are not merged into blocks of 2 x 2. Merging them makes solves 1.1 to 2
 # times as fast.
 ASPECT_RATIO = 4.0
-# Number of cells from which on they are merged on a GPU.
+# Number of cells, 2048 x 2048, from which on they are merged on a GPU: fewer do not keep it busy.
 MIN_GPU_CELLS = 2**22
 # Cells beyond a free end of the grid, over its own. With 1/16, 1/8, 1/4 or 1, spheres, rough spheres and rough flats
 # that reach the ends of 64 x 64 to 1024 x 1024 cells take as many iterations.
 MARGIN = 1 / 16
 
 
-class ExactInverse:
-    """Solution of the linear equations of the cells in contact, for few cells in plane strain (ny = 1).
-
-    Parameters
-    ----------
-    compliance
-        Displacement of each cell under a unit pressure on each cell (cells, cells), symmetric.
-    """
-
-    cells_transformed = 0.0
-
-    def __init__(self, compliance: Array) -> None:
-        self.compliance, self.real = compliance, compliance.dtype
-
-    def extension(self, active: Array) -> "ExactExtension":
-        """Return the map from the displacement of an `active` set (x, 1) to that of all cells."""
-        return ExactExtension(active, self.compliance)
-
-
-class ExactExtension:
-    """Extension of an active set in plane strain: the displacement under the pressure that makes that of the set."""
-
-    def __init__(self, active: Array, compliance: Array) -> None:
-        self.active, self._cells = active, np.flatnonzero(active)
-        of_set = compliance[self._cells]
-        self._inverse = np.linalg.inv(of_set[:, self._cells])
-        self._extended = of_set.T @ self._inverse
-
-    def __call__(self, displacement: Array) -> Array:
-        """Return a `displacement` (x, 1), which is zero outside the set, extended to all cells."""
-        return self._extended @ displacement[self._cells]
-
-    def pressure(self, extended: Array) -> Array:
-        """Return the pressure (x, 1) on the set that makes an `extended` displacement."""
-        pressure = np.zeros_like(extended)
-        pressure[self._cells] = self._inverse @ extended[self._cells]
-        return pressure
-
-
 class SpectralInverse:
     """Preconditioner: division by the spectrum on the unpadded grid, as if it were periodic.
 
-    The mean over the grid is mapped to zero. Source: Vollebregt (2014), eq. 20, there on the padded grid and with zeros
-    outside the set.
+    The mean over the grid is mapped to zero. Where cells are square enough, extensions are made on blocks of 2 x 2
+    cells by the same map on those. Source: Vollebregt (2014), eq. 20, there on the padded grid and with zeros outside
+    the set.
 
     Parameters
     ----------
@@ -96,9 +64,10 @@ class SpectralInverse:
     cells
         Cells of the grid (across, along).
     work_array
-        Returns the work array of a transform.
+        Returns the array (x, y // 2 + 1) that a transform of a field of a shape (x, y) and a type of real numbers may
+        overwrite, or None.
     real
-        Type of the numbers to work in, if their digits span the range of the spectrum.
+        Type of the numbers to work in, if their digits span the range of the spectrum; else that of the spectrum.
     """
 
     def __init__(
@@ -118,7 +87,7 @@ class SpectralInverse:
         self._transforms, self._waves = transforms(), work_array(cells, real)
         # 1 / spectrum at the shortest wave along either axis
         self._stiffest = max(float(inverse[cells[0] // 2, 0]), float(inverse[0, -1]))
-        # the length of the smoothing kernel in cells, and its spectrum
+        # the length of the smoothing kernel of G in cells, and its spectrum, once an active set has holes
         self._smoothing: tuple[float, Array] = 0.0, self._inverse
         self._coarser, self._transformed = self._on_blocks(spectrum), 0
 
@@ -127,13 +96,13 @@ class SpectralInverse:
         """Number of cells transformed so far."""
         return self._transformed + (self._coarser.cells_transformed if self._coarser is not None else 0.0)
 
-    def extension(self, active: Array) -> "CoveringExtension":
+    def extension(self, active: Array) -> "SpectralExtension":
         """Return the map from the displacement of an `active` set (x, y), which is not empty, to that of all cells."""
         if self._coarser is not None:
             return BlockExtension(active, self._coarser, self.pressure)
         width = hole_width(active)
-        if not width:
-            return CoveringExtension(active, self.pressure)
+        if not width:  # the set has a part of every cell: each cell is extended from its own part
+            return SmoothedExtension(active, lambda field: arrays().asarray(field, copy=True), self.pressure)
         # a power of two, so that the spectrum is kept while the set changes little
         width = 2.0 ** round(log2(HOLES * width))
         if width != self._smoothing[0]:
@@ -147,7 +116,7 @@ class SpectralInverse:
         return self._filtered(displacement, self._inverse)
 
     def _on_blocks(self, spectrum: Array) -> "SpectralInverse | None":
-        """Return the same map on blocks of 2 x 2 cells, or None.
+        """Return the same map on blocks of 2 x 2 cells with the `spectrum` of their wave numbers, or None.
 
         There is none where cells are elongated, too few to pay, or along one axis no multiple of 4, and without
         compiled loops.
@@ -172,16 +141,17 @@ class SpectralInverse:
 class FreeEndsInverse:
     """Preconditioner on a grid with free ends: a spectral inverse, near an end that of a grid with a margin beyond it.
 
-    Without the margin both ends of an axis are coupled, and iterations grow with the grid.
+    Without the margin both ends of an axis are coupled, and iterations grow with the grid. The margin is used only
+    while the active set reaches into as many cells next to a free end: transforms of the longer grid take longer.
 
     Parameters
     ----------
     cells
         Cells of the grid (across, along).
     longer
-        Cells with the margins, as many along an axis without a free end.
+        Cells (across, along) with the margins; the same number along an axis without a free end.
     inverse
-        Returns the spectral inverse on a grid of these cells.
+        Returns the spectral inverse on a grid of some cells (across, along).
     """
 
     def __init__(
@@ -202,7 +172,7 @@ class FreeEndsInverse:
         beyond = self.__dict__.get("_beyond")  # without making it
         return self._within.cells_transformed + (beyond.cells_transformed if beyond else 0.0)
 
-    def extension(self, active: Array) -> "CoveringExtension | LongerExtension":
+    def extension(self, active: Array) -> "SpectralExtension | LongerExtension":
         """Return the map from the displacement of an `active` set (x, y) to that of all cells."""
         if not self._is_near_an_end(active):
             return self._within.extension(active)
@@ -219,7 +189,10 @@ class FreeEndsInverse:
 
 
 class LongerExtension:
-    """Extension of an `active` set (x, y) to the `longer` grid of an `inverse`; its first cells are those of the set."""
+    """Extension of an `active` set (x, y) to all cells of a `longer` grid (cells across, along), that of an `inverse`.
+
+    The first cells along each axis of the longer grid are those of the set.
+    """
 
     def __init__(self, active: Array, longer: tuple[int, int], inverse: SpectralInverse) -> None:
         self.active, self._longer = active, longer
@@ -240,32 +213,35 @@ class LongerExtension:
         return longer
 
 
-class CoveringExtension:
-    """Extension of an active set that has a part of every cell: the displacement of that part holds for the whole cell.
+class SpectralExtension(ABC):
+    """Extension of an active set (x, y), whose pressure is that of all cells, restricted by the transposed map.
 
-    `active` (x, y) is the fraction of each cell that belongs to the set, above 0. Displacements of the set are given
-    times these fractions. `pressure` is the map from a displacement of all cells to their pressure. The other extensions
-    of spectral inverses have :meth:`pressure` from it.
+    `active` is the fraction of each cell that belongs to the set: 1 or 0, or between them for a block of cells.
+    Displacements of the set are given times these fractions. `pressure` maps a displacement of all cells to their
+    pressure.
     """
 
     def __init__(self, active: Array, pressure: Callable[[Array], Array]) -> None:
         self.active, self._pressure = active, pressure
 
+    @abstractmethod
     def __call__(self, displacement: Array) -> Array:
-        """Return a `displacement` (x, y) of the set, given times the fractions, of all cells."""
-        return displacement / self.active
+        """Return a `displacement` (x, y), which is zero outside the set, extended to all cells."""
 
+    @abstractmethod
     def transposed(self, pressure: Array) -> Array:
-        """Return a `pressure` (x, y) on all cells unchanged, since the set has a part of each: the transposed map."""
-        return pressure
+        """Return a `pressure` (x, y) on all cells restricted to those of the set, by the transposed map, in place."""
 
     def pressure(self, extended: Array) -> Array:
-        """Return the pressure (x, y) on the set that makes an `extended` displacement."""
+        """Return the pressure (x, y) on the set that approximately makes an `extended` displacement."""
         return self.transposed(self._pressure(extended))
 
 
-class SmoothedExtension(CoveringExtension):
-    """Extension by the weighted mean of the set's displacement; `smoothed` is a symmetric, positive convolution."""
+class SmoothedExtension(SpectralExtension):
+    """Extension by the weighted mean of the set's displacement, with the weights of a convolution `smoothed`.
+
+    The convolution is symmetric and positive. It returns a new array.
+    """
 
     def __init__(self, active: Array, smoothed: Callable[[Array], Array], pressure: Callable[[Array], Array]) -> None:
         super().__init__(active, pressure)
@@ -289,7 +265,7 @@ class SmoothedExtension(CoveringExtension):
         return extended
 
     def transposed(self, pressure: Array) -> Array:
-        """Restrict a `pressure` (x, y) on all cells to those of the set, in place: the transposed map."""
+        """Return a `pressure` (x, y) on all cells restricted to those of the set, by the transposed map, in place."""
         gathered = self._smoothed(pressure * self._outside)
         if (loops := device_loops()) is not None:
             loops.gather(pressure, gathered, self.active)
@@ -299,7 +275,7 @@ class SmoothedExtension(CoveringExtension):
         return pressure
 
 
-class BlockExtension(CoveringExtension):
+class BlockExtension(SpectralExtension):
     """Extension by way of blocks of 2 x 2 cells, whose means are extended and interpolated linearly.
 
     A block belongs to the set by the fraction of its cells that do. The blocks are periodic.
@@ -319,7 +295,7 @@ class BlockExtension(CoveringExtension):
         return extended
 
     def transposed(self, pressure: Array) -> Array:
-        """Restrict a `pressure` (x, y) on all cells to those of the set, in place: the transposed map."""
+        """Return a `pressure` (x, y) on all cells restricted to those of the set, by the transposed map, in place."""
         blocks = self._blocks(pressure)
         self._loops.interpolated_outside_transposed(pressure, self.active, blocks)
         blocks = self._extension.transposed(blocks)
@@ -340,7 +316,8 @@ class BlockExtension(CoveringExtension):
 def hole_width(active: Array) -> float:
     """Return the mean width in cells of the stripes between cells of an `active` set (x, y); half that of square holes.
 
-    It is twice the cells outside over the sides between a cell outside and one of the set; 0 of a full or empty set.
+    It is twice the number of cells outside the set over the number of sides between a cell outside and one of the set,
+    and 0 for a full or an empty set.
     """
     if (loops := device_loops()) is not None:
         count, ends = loops.sides(active, results=2)[:, 0].tolist()
@@ -355,16 +332,14 @@ def hole_width(active: Array) -> float:
 def at_unpadded_wave_numbers(spectrum: Array, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
     """Return the spectrum of a padded grid at the wave numbers nearest to those of the unpadded one, bounded from below.
 
-    The bound is a thousandth of the smallest magnitude among waves that vary across.
+    `spectrum` is (px, py // 2 + 1) on `padded` points (px, py), the result (x, y // 2 + 1) for the `cells` (x, y). The
+    bound is a thousandth of the smallest magnitude among waves that vary across: it changes none of a half-space.
     """
     xp, put = arrays(), device().to_device
     (nx, ny), (px, py) = cells, padded
-    if px % nx == 0 and py % ny == 0:
-        values = spectrum[:: px // nx, : ny // 2 * (py // ny) + 1 : py // ny]
-    else:
-        across = np.round(np.arange(nx) * (px / nx)).astype(int) % px
-        along = np.minimum(np.round(np.arange(ny // 2 + 1) * (py / ny)).astype(int), py // 2)
-        values = xp.take(xp.take(spectrum, put(across), axis=0), put(along), axis=1)
+    across = np.round(np.arange(nx) * (px / nx)).astype(int) % px
+    along = np.minimum(np.round(np.arange(ny // 2 + 1) * (py / ny)).astype(int), py // 2)
+    values = xp.take(xp.take(spectrum, put(across), axis=0), put(along), axis=1)
     # a window of images may make a coefficient zero or negative; that of the half-space is positive
     sizes = xp.abs(values)
     smallest = float(xp.min(sizes[1:, :])) if nx > 1 else float(xp.max(sizes))

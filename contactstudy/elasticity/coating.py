@@ -8,7 +8,7 @@ from scipy.special import log1p
 
 from contactstudy.domain.device import Precision
 from contactstudy.domain.grid import Array, on_cells
-from contactstudy.elasticity.approximate_inverse import ExactInverse, FreeEndsInverse, SpectralInverse
+from contactstudy.elasticity.approximate_inverse import FreeEndsInverse, SpectralInverse
 from contactstudy.elasticity.convolution import Convolution, weighted_sum
 from contactstudy.elasticity.kernels.layer_waves import WaveCoefficients, field_of_line
 
@@ -59,15 +59,9 @@ class WithWinklerLayer:
         convolution = self.convolution.coarsened()
         return WithWinklerLayer(convolution, on_cells(self.compliance, convolution.cells))
 
-    def approximate_inverse(
-        self, precision: Precision | None = None
-    ) -> SpectralInverse | FreeEndsInverse | ExactInverse:
-        """Return a preconditioner: the exact inverse of few cells, else that with a layer of the mean compliance."""
-        layer = float(self.compliance.mean())
-        inverse = weighted_sum([(1.0, self.convolution)], layer).approximate_inverse(precision)
-        if isinstance(inverse, ExactInverse):
-            return ExactInverse(inverse.compliance + np.diag(self.compliance.ravel() - layer))
-        return inverse
+    def approximate_inverse(self, precision: Precision | None = None) -> SpectralInverse | FreeEndsInverse:
+        """Return a preconditioner: that of a layer of the mean compliance."""
+        return weighted_sum([(1.0, self.convolution)], float(self.compliance.mean())).approximate_inverse(precision)
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,13 @@
-"""Operator from pressure to displacement: a convolution with influence coefficients, by real Fourier transforms.
+"""Operators from pressure to displacement: convolutions with influence coefficients, by real Fourier transforms.
 
-One transform of the pressure and one back give the displacement. Parts of either that are known to be zero, or that are
-not asked for, are left out: the pair is pruned.
+:class:`Coefficients` are the response to one loaded cell; :func:`influence_coefficients` samples them on a grid, summed
+over the images that the paddings include. :func:`superposed` makes the operator of a contact of them, a
+:class:`Convolution`, and :func:`general_convolutions` those of fields that are odd along an axis. One transform of the
+pressure and one back give the displacement (Liu, Wang & Liu 2000); rows that are zero, or that are not asked for, are
+not transformed.
 
-Influence coefficients on a grid: every offset within one period, all images that a padding includes.
+Arrays are (x, y), across and along the contact; cells count along both axes. A padded axis of n cells has at least 2 n
+points, one that wraps has n. A spectrum is the transform on px x py points, (px, py // 2 + 1) numbers.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -20,7 +24,6 @@ from contactstudy.domain.grid import Array, Grid, Padding, Paddings, across_and_
 from contactstudy.domain.validation import InvalidInput, Metres, valid
 from contactstudy.elasticity.approximate_inverse import (
     MARGIN,
-    ExactInverse,
     FreeEndsInverse,
     SpectralInverse,
     at_unpadded_wave_numbers,
@@ -36,8 +39,8 @@ from contactstudy.elasticity.transforms import TRANSFORMS, ComplexField, transfo
 class Coefficients(Protocol):
     """Influence coefficients: the response to one loaded cell at offsets x and y, alone or with its periodic images.
 
-    Methods take offsets and lengths in one unit and return one coefficient for each offset. `dx` and `dy` are the sides
-    of the cell, `width` and `period` the distances between images along x and y.
+    Methods take offsets from the centre of the cell and lengths in one unit, and return one coefficient for each offset
+    (x, y). `dx` and `dy` are the sides of the cell, `width` and `period` the distances between images along x and y.
     """
 
     @property
@@ -64,8 +67,8 @@ class BoussinesqCoefficients:
     Parameters
     ----------
     datum
-        Lateral distance [m] from which displacement is counted, where an infinite row of images leaves that open; with a
-        lattice of images it is counted from its mean.
+        Distance [m] across at which a load on a line along y does not move the surface: the zero of displacement, which
+        an infinite row of images leaves open. With a lattice of images displacement is counted from its mean.
     """
 
     datum: float
@@ -86,7 +89,7 @@ class BoussinesqCoefficients:
         return response
 
     def rigid_shift(self, line: float) -> float:
-        """Return what the datum adds to the response to a row of images, whose area is `line` [m] per length."""
+        """Return what the datum adds to the response to a row of images, each with the area `line` times the period."""
         return 2 * line * log(self.datum)
 
     def lattice(self, x: Array, y: Array, dx: float, dy: float, width: float, period: float) -> Array:
@@ -94,14 +97,16 @@ class BoussinesqCoefficients:
         return boussinesq_cell_doubly_periodic(x, y, dx, dy, width, period)
 
 
-# Distance from the axis at which the row of mirrored loads does not displace a body with free faces, over its length.
-# The loads beyond the two neighbouring ones then do not displace the middle.
+# Datum of a body with free faces over its length. The loads on it are mirrored about both faces, in a row without end.
+# With this datum the loads beyond the two neighbouring images together do not displace the middle of the body.
 DATUM_OVER_LENGTH = 3.0
 
 
 @dataclass(frozen=True)
 class FreeFaceCoefficients(BoussinesqCoefficients):
-    """Coefficients of a body with two free faces; :mod:`~contactstudy.elasticity.free_faces` makes its operator of them.
+    """Coefficients of a body with two free faces: those of the half-space, and what determines the effect of the faces.
+
+    :mod:`~contactstudy.elasticity.free_faces` makes the operator of them.
 
     Parameters
     ----------
@@ -116,13 +121,13 @@ class FreeFaceCoefficients(BoussinesqCoefficients):
 
     @classmethod
     def of(cls, length: float, poisson_ratio: float) -> "FreeFaceCoefficients":
-        """Return those of a body, with the datum `DATUM_OVER_LENGTH`."""
+        """Return the coefficients of a body of this `length` [m], with its datum."""
         return cls(DATUM_OVER_LENGTH * length, length, poisson_ratio)
 
 
 @dataclass(frozen=True)
 class _Axis:
-    """Axis of a grid: number of `cells`, their size `step` [m], the `period` [m] of its images, and its padding."""
+    """Axis of a grid: number of `cells`, their size `step` [m], `period` [m] of the images, and its padding."""
 
     cells: int
     step: float
@@ -169,10 +174,11 @@ def _on_axes(across: _Axis, along: _Axis, coefficients: Coefficients) -> Array:
 
 
 def _summed(coefficients: Callable[[Array], Array], axis: _Axis, parity: int) -> Array:
-    """Return the sum of ``coefficients(d + m L)`` over the periods m of the axis's window, for its known offsets d.
+    """Return the sum (offsets, ...) of ``coefficients(d + m L)`` over the periods m of the window, for known offsets d.
 
-    `coefficients` is even or odd in its argument, so that the offsets of one period serve two images: the one ahead and,
-    reversed, the next one behind. Far images are added first: small terms are summed before large ones.
+    L is the period of the axis. `coefficients` maps offsets (n,) to (n, ...) and is even or odd, by its `parity`, so
+    that the offsets of one period serve two images: the one ahead and, reversed, the next one behind. Far images are
+    added first: small terms are summed before large ones.
     """
     window, count = axis.padding.window, axis.cells
     assert window is not None
@@ -188,20 +194,12 @@ def _summed(coefficients: Callable[[Array], Array], axis: _Axis, parity: int) ->
     return np.asarray(total)
 
 
-# Wave numbers along the length with less than this fraction of the energy of the strongest one are left out of a sum: in
-# amplitude 1e-14, somewhat above rounding in double precision.
+# Wave numbers along the length with less than this fraction of the energy of the strongest one are left out of a sum:
+# in amplitude 1e-14, somewhat above rounding in double precision.
 NEGLIGIBLE_ENERGY = 1e-28
-
-
-# Least number of cells along an axis of a coarser grid. If it is 64, contacts take up to 1.2 times as many convolutions;
-# if it is 8, they take as many as now.
+# Least number of cells along an axis of a coarser grid. If it is 64, contacts take up to 1.2 times as many
+# convolutions; if it is 8, they take as many as now.
 MIN_COARSENED = 32
-# Largest number of cells in plane strain for which the preconditioner solves the equations of the contact directly. It
-# saves half of the convolutions there, and up to a quarter of the time.
-DIRECT_CELLS = 64
-# Constant that is added to the coefficients of these equations, over the largest of them. It makes the equations
-# positive definite. From 1 to 1000 it changes nothing.
-MEAN_COMPLIANCE = 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,8 +207,7 @@ class Convolution:
     """Linear map from pressure to displacement on one grid, ``displacement = K * pressure``.
 
     Call it with a pressure (x, y) [Pa] to get the displacement (x, y) [m]. It is symmetric, and positive definite
-    except for rigid-body motion and, with a window of images, for some waves. Rows of zeros are not transformed along
-    y, and only the rows of the grid are transformed back.
+    except for rigid-body motion and, with a window of images, for some waves.
 
     Parameters
     ----------
@@ -223,8 +220,9 @@ class Convolution:
     ends
         Whether each axis ends, without images beyond: near its ends the preconditioner has a margin.
     work
-        Numbers for the waves of one transform at a time, as a solve has them: allocating a large array costs as much as
-        a transform. None for an operator that several threads may share, and on a device that reuses memory itself.
+        Flat array of complex numbers, as many as the spectrum has, that each transform overwrites: allocating a large
+        array costs as much as a transform. :meth:`scaled` makes it for a solve. None for an operator that several
+        threads may share, and on a device that reuses memory itself.
     """
 
     spectrum: Array
@@ -247,7 +245,7 @@ class Convolution:
         return transforms().convolved(pressure, self.spectrum, self.padded, work)
 
     def work_array(self, shape: tuple[int, int], real: DTypeLike) -> ComplexField | None:
-        """Return the part of the `work` array for waves of a field `shape` (px, py) of `real` numbers, or None."""
+        """Return the part (px, py // 2 + 1) of `work` for waves of a field of a `shape` (px, py) of `real` numbers."""
         if self.work is None:
             return None
         rows, columns = shape[0], shape[1] // 2 + 1
@@ -262,8 +260,8 @@ class Convolution:
     def self_compliance(self) -> float:
         """Displacement of a cell under its own unit pressure, relative to the mean over the padded grid [m/Pa].
 
-        It is the mean of the spectrum without its first entry, rigid-body motion. With infinitely many images that entry
-        may have any sign, and in a cell far wider than the datum it would make the sum negative.
+        It is the mean of the spectrum without its first entry, that of rigid-body motion. With infinitely many images
+        that entry may have any sign: in a cell far wider than the datum it would make the sum negative.
         """
         xp, py = arrays(), self.padded[1]
         stored_once = xp.sum(self.spectrum[:, 0])
@@ -297,7 +295,7 @@ class Convolution:
 
     @property
     def blocks(self) -> tuple[int, int]:
-        """Number of cells (across, along) that are merged, 2 along an axis that can be halved, else 1."""
+        """Number of cells (across, along) that :meth:`coarsened` joins: 2 along an axis that can be halved, else 1."""
         across, along = (
             2 if cells % 2 == 0 and padded % 2 == 0 and cells >= 2 * MIN_COARSENED else 1
             for cells, padded in zip(self.cells, self.padded, strict=True)
@@ -316,17 +314,12 @@ class Convolution:
         spectrum = coarsened_spectrum(self.spectrum, self.padded, blocks)
         return replace(self, spectrum=spectrum, cells=cells, padded=(px // blocks[0], py // blocks[1]))
 
-    def approximate_inverse(
-        self, precision: Precision | None = None
-    ) -> SpectralInverse | FreeEndsInverse | ExactInverse:
+    def approximate_inverse(self, precision: Precision | None = None) -> SpectralInverse | FreeEndsInverse:
         """Return a preconditioner: division by the spectrum on the unpadded grid, as if it were periodic.
 
         Near an end of an axis without images the grid has a margin. It works in the operator's own precision, unless
-        another `precision` is given and can hold the spectrum's range. For few cells in plane strain it solves the
-        equations of the contact exactly.
+        another `precision` is given and can hold the spectrum's range.
         """
-        if self.cells[1] == 1 and self.cells[0] <= DIRECT_CELLS and isinstance(device(), Cpu):
-            return ExactInverse(self._compliance())
         real = self.spectrum.dtype if precision is None else precision.real
 
         def inverse(cells: tuple[int, int]) -> SpectralInverse:
@@ -347,21 +340,12 @@ class Convolution:
         )
         return across, along
 
-    def _compliance(self) -> Array:
-        """Return the displacement of each cell in plane strain under a unit pressure on each (cells, cells).
-
-        A constant is added that makes it positive definite; under a given load it only changes the approach.
-        """
-        unit = np.zeros(self.cells, dtype=self.spectrum.dtype)
-        unit[0] = 1
-        by_distance = self(unit)[:, 0]
-        by_distance += MEAN_COMPLIANCE * np.abs(by_distance).max()
-        index = np.arange(len(by_distance))
-        return np.asarray(by_distance[np.abs(index[:, None] - index)])
-
 
 def coarsened_spectrum(spectrum: Array, padded: tuple[int, int], blocks: tuple[int, int]) -> Array:
-    """Return the spectrum on `padded` points of cells that are merged in `blocks`, see :meth:`Convolution.coarsened`."""
+    """Return a `spectrum` on `padded` points (px, py) for cells that are merged in `blocks` (1 or 2 across, along).
+
+    See :meth:`Convolution.coarsened`.
+    """
     (px, py), (across, along) = padded, blocks
     if across == 2:
         weights = np.cos(np.pi / px * np.arange(px // 2)[:, None]) ** 2
@@ -375,7 +359,7 @@ def coarsened_spectrum(spectrum: Array, padded: tuple[int, int], blocks: tuple[i
 
 
 def _aliased(low: Array, high: Array, weights: Array) -> Array:
-    """Return ``low weights + high (1 - weights)`` for two parts of a spectrum."""
+    """Return ``low weights + high (1 - weights)``: the waves `low` and their aliases `high` on larger cells."""
     folded = low - high
     folded *= arrays().astype(device().to_device(weights), folded.dtype, copy=False)
     folded += high
@@ -466,7 +450,7 @@ def superposed(response: Mapping[Coefficients, float], grid: Grid, padding: Padd
 
 
 def spectrum_of(kind: Coefficients, grid: Grid, paddings: Paddings) -> Any:
-    """Return the transform of influence coefficients, which is real where they are even along both axes; it is kept."""
+    """Return the spectrum of coefficients, real where they are even along both axes, else complex; it is kept."""
 
     def transform() -> Any:
         padded, quadrant = padded_cells(grid, paddings), influence_coefficients(grid, paddings, kind)
@@ -478,17 +462,18 @@ def spectrum_of(kind: Coefficients, grid: Grid, paddings: Paddings) -> Any:
 
 
 def even_spectrum(half: Array, padded: tuple[int, int]) -> Array:
-    """Return the transform on `padded` points of coefficients of known offsets (x, y), even along both axes."""
+    """Return the spectrum on `padded` points of coefficients, even along both axes, at known offsets `half` (x, y)."""
     return TRANSFORMS.forward(mirrored_by_parity(half, padded, (1, 1)), padded).real.copy()
 
 
 def general_convolutions(
     responses: Iterable[Mapping[Coefficients, float]], grid: Grid, padding: Padding | Paddings
 ) -> list[GeneralConvolution]:
-    """Return the convolutions with weighted sums of coefficients of any parity, each kind computed once.
+    """Return for each of the `responses` the convolution with a weighted sum of coefficients of any parity.
 
-    Those that are odd along one axis are antisymmetric, so that no solver takes them: their displacement is taken from
-    the iterate before. The weights and paddings are those of :func:`superposed`.
+    A response has the weight of each kind of coefficients, as for :func:`superposed`. A sum that is odd along one axis
+    is an antisymmetric operator, which conjugate gradients do not solve: solvers take its displacement from the iterate
+    before.
     """
     paddings = across_and_along(padding)
     padded = padded_cells(grid, paddings)
@@ -516,7 +501,7 @@ def on_padded_grid(terms: Iterable[tuple[Coefficients, float]], grid: Grid, padd
 def by_symmetry(
     response: Mapping[Coefficients, float],
 ) -> tuple[Mapping[Coefficients, float], Mapping[Coefficients, float]]:
-    """Return the coefficients of `response` that are even along both axes, and those that are odd along one."""
+    """Return the part of `response` with coefficients that are even along both axes, and the part with all others."""
     even = {kind: weight for kind, weight in response.items() if kind.parity == (1, 1)}
     return even, {kind: weight for kind, weight in response.items() if kind not in even}
 
@@ -541,7 +526,7 @@ def padded_cells(grid: Grid, paddings: Paddings) -> tuple[int, int]:
 
 
 def mirrored_by_parity(coefficients: Array, padded: tuple[int, int], parity: tuple[int, int]) -> Array:
-    """Return coefficients of known offsets at every point of the padded grid, extended by their parity."""
+    """Return `coefficients` at known offsets (x, y), extended by parity to all points (px, py) of a padded grid."""
     around = coefficients[np.ix_(*map(_offset_indices, coefficients.shape, padded))]
     for axis, even in enumerate(parity):
         if even < 0:  # odd: zero at the origin and at half the period
@@ -553,7 +538,7 @@ def mirrored_by_parity(coefficients: Array, padded: tuple[int, int], parity: tup
 
 
 def _offset_indices(known: int, padded: int) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
-    """Return the distance of each point of a padded, periodic axis from zero, at most ``known - 1``.
+    """Return the distance in cells of each point (padded,) of a periodic axis from its first one, at most ``known - 1``.
 
     Offsets that no pair of cells has repeat the last known one.
     """

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contactstudy.accuracy.coarser import coarsened
-from contactstudy.answers.answer import finer_grid, widened
+from contactstudy.answers.answer import NOT_REFINED, finer_grid, widened
 from contactstudy.answers.contact import Contact, contact_answer
 from contactstudy.domain.device import ONE_THREAD, Cpu, Device, using
 from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
@@ -515,13 +515,15 @@ def grid_for_numbers(answer: Any, *, is_default: bool) -> Grid | None:
         largest = MAX_ROW_OF_COATED_STRESS
     if scene.friction is not None:
         largest = MAX_CELLS_OF_SLIP
-    every = answer.judged.values()
-    missed = (number for number in every if number.order and number.refines and 1 < number.ratio < inf)
-    # a bound of half order falls faster on coarse cells
-    factors = sorted((max(MARGIN * of.ratio, min(MARGIN * of.finer, MAX_GROWTH)) for of in missed), reverse=True)
+    left_out = () if isinstance(answer.requested, Mapping) else NOT_REFINED
+    factors = []
+    for name, number in answer.judged.items():
+        if number.order and 1 < number.ratio < inf and not any(part in name for part in left_out):
+            # a bound of half order falls faster on coarse cells
+            factors.append(max(MARGIN * number.ratio, min(MARGIN * number.finer, MAX_GROWTH)))
     # iterations grow about as the root of the cells along an axis
     left = most / answer.counts["convolutions"][0]
-    for factor in factors:
+    for factor in sorted(factors, reverse=True):
         cells = _cells(answer.grid, factor)
         if cells <= largest and cells * factor**0.5 <= left:
             return finer_grid(answer.grid, min(factor, MAX_GROWTH))

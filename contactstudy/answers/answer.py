@@ -1,7 +1,10 @@
 """What every answer has: status, grid, quantities, their bounds, and whether these keep a requested error.
 
-Where a law is known of a number, of its straight edges, its peak or its images, that is its bound; all others are
-bounded by the same scene on a half, a third and a quarter of the cells, with longer steps.
+A quantity is a number of an answer, such as the peak pressure, with its unit and the bound of its error; it is known by
+a name. Where a law is known of a number, of its straight edges, its peak or its images, that is its bound; all others
+are bounded by the same scene on a half, a third and a quarter of the cells, with longer steps. A request is the error
+not to exceed, for all numbers or by name. The error in L1 is that of the pressure: the mean of its absolute value over
+the mean pressure. What each kind of answer computes is in its own module.
 """
 
 import re
@@ -17,21 +20,9 @@ from typing import TYPE_CHECKING, Any
 
 from contactstudy.accuracy.error_terms import IMAGES_REMEDY
 from contactstudy.accuracy.plausibility import beyond_half_space
-from contactstudy.domain.errors import (
-    AREA_FLOOR,
-    COARSER,
-    DEPTH_FLOOR,
-    EDGE_ORDER,
-    FLOOR,
-    INLET,
-    MARGIN,
-    PRESSURE,
-    ErrorEstimate,
-    ErrorParts,
-    InNotebook,
-    Request,
-)
-from contactstudy.domain.grid import Grid, Padding, Paddings, cells_text
+from contactstudy.domain import errors
+from contactstudy.domain.errors import PRESSURE, ErrorEstimate, ErrorParts, InNotebook, Request
+from contactstudy.domain.grid import Grid, cells_text
 from contactstudy.domain.imports import needed_for
 from contactstudy.domain.validation import InvalidInput, NotDefined, readable
 from contactstudy.io.quantities.quantity import MAX_RELATIVE, RELATIVE_TO_ZERO, Quantities, Quantity, as_text, per_cent
@@ -54,9 +45,10 @@ BY_YIELD = "dent_depth", "shoulder_height", "highest_residual_stress", "lowest_r
 AT_EDGE = "highest_residual_stress", "surface_tension", "largest_shear"
 # In the name of a depth, before the index of a body where it has one.
 DEPTH = re.compile(r"_depth(?=(_\d)?$)")
-# The same as `MARGIN` of numbers that have a law of their own beside.
+# Factor on the change between grids of numbers that have a law of their own too, of which the larger bound counts: half
+# of `errors.MARGIN` for a peak pressure, and a third of it for a pull-off, since the law bounds them as well.
 BESIDE_LAW = {"peak_pressure": 0.75, "pull_off": 0.5} | dict.fromkeys(
-    ("traction_coefficient", "creepage", "frictional_power", "largest_slip", "friction_energy"), MARGIN
+    ("traction_coefficient", "creepage", "frictional_power", "largest_slip", "friction_energy"), errors.MARGIN
 )
 # Power of the cell size with which errors fall beside an edge up to which a pressure rises, as at a flat with rounded
 # edges: like the inverse square root of the distance, down to the rounding.
@@ -87,12 +79,16 @@ def with_nested_bounds(
 ) -> dict[str, Quantity]:
     """Return quantities with bounds by their changes between grids, where their reasons are some of those `replaced`.
 
+    A bound is a margin times the largest change, or times the least change that counts if that is more; errors by other
+    causes than the cells are added. Numbers with a law of their own keep its bound, or that by their change if it is
+    larger.
+
     Parameters
     ----------
     quantities
         The numbers of an answer.
     below
-        Those on 1 / k of the cells along each axis, by k.
+        Numbers on 1 / k of the cells along each axis, by k.
     l1
         Error of the pressure, whose causes but the cells add to each bound.
     replaced
@@ -103,7 +99,8 @@ def with_nested_bounds(
     order
         Power of the cell size with which errors fall; beside an edge it is `EDGE_ORDER` at most.
     wider
-        Those of a film on half the cells over twice the width, whose inlet is finite.
+        Numbers of a film on half the cells over twice the width; None elsewhere. Half the cells over the same width tell
+        with them the error of a finite inlet.
     zone_edge
         Fraction of the cells of a plastic zone that lie at its edge.
     unseen
@@ -117,61 +114,63 @@ def with_nested_bounds(
         Names of numbers that rise up to an edge, where their law does not hold.
     """
     other_causes = l1.total - (l1.discretisation or 0.0) if isfinite(l1.total) else inf
-    found = dict(quantities)
+    bounded = dict(quantities)
     for name, quantity in quantities.items():
         if isfinite(quantity.bound) or quantity.reason not in replaced:
             continue
         values = {1: quantity.value} | {k: level[name].value for k, level in below.items() if name in level}
         coarser = list(values.values())[1:]
         if not coarser and name not in by_law:
-            found[name] = replace(quantity, reason=NO_COARSER)
+            bounded[name] = replace(quantity, reason=NO_COARSER)
         elif name.startswith(BY_YIELD) and quantity.value and not any(coarser):
-            found[name] = replace(quantity, reason=NO_COARSER_YIELD)
+            bounded[name] = replace(quantity, reason=NO_COARSER_YIELD)
         elif not isfinite(other_causes):
-            found[name] = replace(quantity, reason=l1.reason or quantity.reason)
+            bounded[name] = replace(quantity, reason=l1.reason or quantity.reason)
         else:
             size = abs(quantity.value)
-            by_l1 = FLOOR * (l1.discretisation or 0.0) / (2 if name in unseen and name not in by_law else 1)
+            by_l1 = errors.FLOOR * (l1.discretisation or 0.0) / (2 if name in unseen and name not in by_law else 1)
             floor = max(by_l1, quantity.least_change)
             if name.startswith(BY_YIELD):
-                floor = max(floor, AREA_FLOOR * zone_edge)
+                floor = max(floor, errors.AREA_FLOOR * zone_edge)
             if name == "rolling_resistance":
-                floor = max(floor, AREA_FLOOR * edge_fraction)
+                floor = max(floor, errors.AREA_FLOOR * edge_fraction)
             others = unseen.get(name, other_causes)
             if any(stress in name for stress in OF_STRESS):
-                floor = max(floor, DEPTH_FLOOR if DEPTH.search(name) else 0.0)
-                others += 0.0 if "orthogonal" in name else of_stress.get(name, 0.0)  # that is 0 at the surface
-            change = by_changes(values, min(order, EDGE_ORDER) if _is_at_edge(name) else order)
+                floor = max(floor, errors.DEPTH_FLOOR if DEPTH.search(name) else 0.0)
+                if "orthogonal" not in name:  # that shear stress is 0 at the surface
+                    others += of_stress.get(name, 0.0)
+            change = by_changes(values, min(order, errors.EDGE_ORDER) if _is_at_edge(name) else order)
             inlet = 0.0
             if wider is not None and name in wider:
-                inlet = max(INLET * abs(values[2] - wider[name].value), FLOOR * (l1.inlet or 0.0) * size)
+                inlet = max(errors.INLET * abs(values[2] - wider[name].value), errors.FLOOR * (l1.inlet or 0.0) * size)
                 others -= l1.inlet or 0.0
-            bound = MARGIN * max(change, floor * size) + inlet + others * size
+            bound = errors.MARGIN * max(change, floor * size) + inlet + others * size
             if name.endswith("stick_fraction"):
                 bound = max(bound, edge_fraction)
             reach = max((value for value, _ in quantity.rivals), default=quantity.value)
             bound = max(bound, reach - quantity.value)
             reason = "" if bound else RELATIVE_TO_ZERO
-            found[name] = replace(quantity, bound=bound or inf, reason=reason)
+            bounded[name] = replace(quantity, bound=bound or inf, reason=reason)
     for name, margin in BESIDE_LAW.items():
         if name in quantities and isfinite(bound := quantities[name].bound):
             levels = {1: quantities} | dict(below)
-            margin, power = (MARGIN, RISING_ORDER) if name in at_edge else (margin, order)
+            margin, power = (errors.MARGIN, RISING_ORDER) if name in at_edge else (margin, order)
             change = by_changes({k: level[name].value for k, level in levels.items() if name in level}, power)
-            found[name] = replace(found[name], bound=max(bound, margin * change))
-    if "pull_off" in found and "load_per_length" in found:  # the load is that
-        found["load_per_length"] = replace(found["load_per_length"], bound=found["pull_off"].bound)
-    for name, depth in found.items():
-        largest = found.get(DEPTH.sub("", name), depth)
+            bounded[name] = replace(bounded[name], bound=max(bound, margin * change))
+    if "pull_off" in bounded and "load_per_length" in bounded:  # the load is that
+        bounded["load_per_length"] = replace(bounded["load_per_length"], bound=bounded["pull_off"].bound)
+    for name, depth in bounded.items():
+        largest = bounded.get(DEPTH.sub("", name), depth)
         if largest is not depth and isfinite(depth.bound):
             within = largest.value - largest.bound
             away = [abs(at - depth.value) for value, at in largest.rivals if value >= within]
-            found[name] = replace(depth, bound=max(depth.bound, *away, 0.0))
-    for name in [name for name in found if name.startswith("safety_factor_depth")]:  # of the same place as a stress
-        same = [of for other, of in found.items() if "von_mises_depth" in other and of.value == found[name].value]
-        if same and isfinite(found[name].bound):
-            found[name] = replace(found[name], bound=same[0].bound, reason=same[0].reason)
-    return found
+            bounded[name] = replace(depth, bound=max(depth.bound, *away, 0.0))
+    for name in [name for name in bounded if name.startswith("safety_factor_depth")]:  # of the same place as a stress
+        depths = [depth for other, depth in bounded.items() if "von_mises_depth" in other]
+        same = next((depth for depth in depths if depth.value == bounded[name].value), None)
+        if same is not None and isfinite(bounded[name].bound):
+            bounded[name] = replace(bounded[name], bound=same.bound, reason=same.reason)
+    return bounded
 
 
 def by_changes(
@@ -225,8 +224,6 @@ class Judged:
         Why it has no bound; empty where it has one.
     order
         Power of the cell size with which the bound falls; 0 if finer cells do not lessen it.
-    refines
-        Whether a grid is refined for it.
     absolute
         The bound as text with its unit where the number is nearly zero beside it; empty elsewhere.
     """
@@ -236,7 +233,6 @@ class Judged:
     requested: float
     reason: str = ""
     order: float = 1.0
-    refines: bool = True
     absolute: str = ""
 
     @property
@@ -271,12 +267,8 @@ def judged_numbers(quantities: Quantities, request: Request | None) -> dict[str,
     """
     uncertain = {name: quantity for name, quantity in quantities.items() if _is_uncertain(quantity)}
     if not isinstance(request, Mapping):
-        requested = inf if request is None else request
-        every = {name: _judged(name, quantities, requested) for name in uncertain}
-        return {
-            name: replace(one, refines=not any(part in name for part in NOT_REFINED)) for name, one in every.items()
-        }
-    found: dict[str, Judged] = {}
+        return {name: _judged(name, quantities, inf if request is None else request) for name in uncertain}
+    judged: dict[str, Judged] = {}
     for key, requested in request.items():
         if key == PRESSURE:
             continue
@@ -284,11 +276,9 @@ def judged_numbers(quantities: Quantities, request: Request | None) -> dict[str,
         if not names:
             known = ", ".join((PRESSURE, *uncertain))
             raise InvalidInput(f"error names {key!r}, which this answer does not have: give some of {known}.")
-        # the closest name is the one that is meant
-        if key in names:
-            names = [key]
-        found |= {name: _judged(name, quantities, requested) for name in names if name in uncertain}
-    return found
+        names = [key] if key in names else names  # the closest name is the one that is meant
+        judged |= {name: _judged(name, quantities, requested) for name in names if name in uncertain}
+    return judged
 
 
 def _is_named(name: str, key: str) -> bool:
@@ -309,10 +299,10 @@ def _judged(name: str, quantities: Quantities, requested: float) -> Judged:
     scale = 1.0 if quantity.is_fraction else max(abs(quantity.value), abs(whole.value))
     bound = quantity.bound / scale if scale else inf
     label = quantity.label.split(" (")[0] + (" (absolute)" if quantity.is_fraction else "")
-    is_of_depths = name.endswith(NOT_BY_CELLS) or MARGIN * quantity.least_change > requested
+    is_of_depths = name.endswith(NOT_BY_CELLS) or errors.MARGIN * quantity.least_change > requested
     order = 0.5 if _is_at_edge(name) else float(not is_of_depths)
     absolute = readable(quantity.bound, quantity.unit, 2) if MAX_RELATIVE < bound < inf else ""
-    return Judged(label, bound, requested, quantity.reason, order, absolute=absolute)
+    return Judged(label, bound, requested, quantity.reason, order, absolute)
 
 
 def without_bound(numbers: Iterable[Judged]) -> str:
@@ -348,7 +338,7 @@ MAX_CELLS = 10**9
 
 
 class Answer(InNotebook):
-    """Members that every answer of :func:`~contactstudy.solve` has.
+    """Members that every answer of :func:`~contactstudy.solve` has: numbers, bounds, a verdict on them, pictures, text.
 
     Attributes
     ----------
@@ -378,8 +368,6 @@ class Answer(InNotebook):
         def status(self) -> Status: ...  # noqa: D102
         @property
         def grid(self) -> Grid: ...  # noqa: D102
-        @property
-        def padding(self) -> Padding | Paddings | None: ...  # noqa: D102
         @property
         def error(self) -> ErrorEstimate: ...  # noqa: D102
         @property
@@ -437,9 +425,8 @@ class Answer(InNotebook):
 
     @property
     def _missed(self) -> list[Judged]:
-        """Numbers whose bound is above the request, the worst first."""
-        missed = (number for number in self.judged.values() if 1 < number.ratio < inf)
-        return sorted(missed, key=lambda number: -number.ratio)
+        """Numbers whose bound is above the request."""
+        return [number for number in self.judged.values() if 1 < number.ratio < inf]
 
     @property
     def _l1_ratio(self) -> float:
@@ -473,7 +460,6 @@ class Answer(InNotebook):
             head = f"request {'met' if self.met else 'not met'}: {asked}"
         elif self.requested is None:
             head = f"error at most {reached}" if isfinite(parts.total) else reached
-            return "; ".join(filter(None, (head, unknown or (self._why if parts.total == inf else ""))))
         else:
             if self.met:
                 verdict = "met by every number with a bound" if unknown else "met by every number"
@@ -483,7 +469,8 @@ class Answer(InNotebook):
                 count = f"{len(self._missed)} of {len(bounded)}"
                 verdict = f"met {measure}, not by {count} numbers"
             head = f"{100 * self.requested:g} % {verdict}: {reached}"
-        return "; ".join(filter(None, (head, "" if self.met else self._why, unknown)))
+        is_kept = isfinite(parts.total) if self.requested is None else self.met
+        return "; ".join(filter(None, (head, "" if is_kept else self._why, unknown)))
 
     @property
     def _why(self) -> str:
@@ -497,8 +484,7 @@ class Answer(InNotebook):
             return ""
         if not all(number.order for number in self._missed):
             return "finer cells hardly lessen it: the largest stress may lie between depths, give closer depths"
-        factor = max((number.finer for number in self._missed), default=1.0)
-        factor = max(factor, self._l1_ratio)
+        factor = max(1.0, self._l1_ratio, *(number.finer for number in self._missed))
         if (cause := self._main_cause) != "discretisation" or factor <= 1:
             return f"most of it is by {REMEDIES[cause]}"
         cells = finer_grid(self.grid, factor).cells
@@ -562,7 +548,7 @@ Coarser = Callable[..., Answer]
 
 def levels_below(coarser: Coarser) -> dict[int, Answer]:
     """Return the answers on 1 / k of the cells along each axis by k, those of `COARSER` that have a solution."""
-    answers = {factor: solved_or_none(coarser, factor) for factor in COARSER}
+    answers = {factor: solved_or_none(coarser, factor) for factor in errors.COARSER}
     return {factor: answer for factor, answer in answers.items() if answer is not None}
 
 

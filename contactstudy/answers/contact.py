@@ -87,19 +87,14 @@ class Contact(Answer, Solution):
                 # the range of an attraction may be that of the grid
                 half = self._below.get(2) if self.adhesion is None else None
                 return self.rolling.error_estimate(half)
-            if not self._has_derived_errors:
+            if self._depends_on_history or self.status.is_failure or not self.pressure.any():
                 return self.estimate or error_estimate(self)
+            # the bodies touch: approach and stress get an error too
             estimate = self.estimate or error_estimate(self, coarse=self._on_half_the_cells)
             return self._with_derived(estimate)
         except NotDefined as reason:
             unknown = ErrorParts(discretisation=inf, reason=f"No bound: {reason}")
             return ErrorEstimate(unknown, unknown, unknown, unknown, warnings=(unknown.reason,))
-
-    @property
-    def _has_derived_errors(self) -> bool:
-        """True where approach and stress get an error: the solve did not fail, and the bodies touch."""
-        in_equilibrium = not (self._depends_on_history or self.status.is_failure)
-        return in_equilibrium and bool(self.pressure.any())
 
     @property
     def _depends_on_history(self) -> bool:

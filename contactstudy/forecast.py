@@ -1,4 +1,9 @@
-"""Function plan: the grid, memory and seconds of a solve, from its first levels."""
+"""Function plan: the grid, memory and seconds of a solve, from its first levels.
+
+A plan first chooses grid and padding (`plan_grid`). Then the scene is solved on coarser grids, its levels, each for
+about a second of processor time at most; how their seconds grow with the cells tells those of the whole. A solve that
+is ended early tells them by its progress. The error to expect follows from the bounds on the levels.
+"""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -9,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import ArrayLike
 
 from contactstudy.accuracy.bound import SHARP_EDGE
+from contactstudy.accuracy.coarser import coarsened
 from contactstudy.answers.answer import judged_numbers
 from contactstudy.answers.contact import contact_answer
 from contactstudy.domain.device import ONE_THREAD, Device
@@ -19,8 +25,7 @@ from contactstudy.domain.validation import InvalidInput, checked_errors, readabl
 from contactstudy.planning.grid_requirements import grid_requirements
 from contactstudy.planning.plan import plan_grid
 from contactstudy.planning.planned import Plan, speedup
-from contactstudy.planning.refinement import CONSTANTS as REFINEMENT
-from contactstudy.planning.refinement import OTHER_CAUSES, FirstGrids
+from contactstudy.planning.refinement import CONVERGENCE_ORDER, OTHER_CAUSES, WIDENING, FirstGrids
 from contactstudy.progress import Progress
 from contactstudy.scene import combinations as methods
 from contactstudy.scene.scene import Scene
@@ -31,58 +36,41 @@ if TYPE_CHECKING:
     from contactstudy.evolution.march import TimeSteps
 
 
-@dataclass(frozen=True)
-class ForecastConstants:
-    """Constants of the solves that forecast the seconds of another.
-
-    Attributes
-    ----------
-    seconds, all_seconds
-        Seconds that each of these solves may take, and all together.
-    grid_seconds
-        Seconds that a solve on several grids may take where nothing of the last of them is done.
-    exact_seconds
-        Seconds that a solve on the planned grid, or a further one for numbers, may take to be one of them.
-    least_finer
-        Factor on the cells along an axis, from the grid for the pressure to that for numbers, up to which the former is
-        expected to do: bounds on coarse cells fall faster than such a grid is chosen for. With 1, two of five rough
-        contacts had plans for 1.8 and 1.5 times the cells of their solves.
-    followed
-        Seconds of a grid for numbers that is not solved, and of those that may follow it, over its own.
-    least_cells
-        Cells across below which a grid tells nothing.
-    least_fraction
-        Least fraction of a solve that is extrapolated from.
-    cells_of_call, powers
-        Cells that take as long as all that does not grow with the cells of a solve, such as calls: 48^2 to 768^2 cells
-        of rough and crowned contacts take 0.015 s and 1 s for a million of them. Where two solves show a power of the
-        cells with which the seconds grow, its limits.
-    coarsest_with_adhesion
-        Largest factor on the cells of a contact with adhesion, whose cohesive zone coarse cells do not hold.
-    progress_powers
-        Least and largest power of the seconds with which the fraction that is done is expected to grow.
-    most_error
-        Largest error to which a coarse film is solved.
-    """
-
-    seconds: float = 1.0
-    grid_seconds: float = 10.0
-    all_seconds: float = 2.0
-    exact_seconds: float = 0.5
-    least_finer: float = 1.5
-    followed: float = 1.25
-    least_cells: int = 12
-    least_fraction: float = 1e-4
-    cells_of_call: int = 16_000
-    powers: tuple[float, float] = (0.3, 2.5)
-    coarsest_with_adhesion: int = 2
-    progress_powers: tuple[float, float] = (0.75, 4.0)
-    most_error: float = 0.3
-
-
-CONSTANTS = ForecastConstants()
+# Seconds that the solve of one level may take, and all together: a plan is asked for interactively.
+SOLVE_SECONDS, ALL_SECONDS = 1.0, 2.0
+# Seconds that a solve which refines its grid itself may take, where nothing of its last grid is done: until then its
+# progress says nothing of that grid.
+GRID_SECONDS = 10.0
+# Seconds up to which a solve on the planned grid itself, or on a finer one for numbers, is carried out as a level: so
+# small a solve is known best by doing it.
+EXACT_SECONDS = 0.5
+# Factor on the cells along an axis, from the grid for the pressure to that for numbers, up to which the former is
+# expected to do: bounds on coarse cells fall faster than such a grid is chosen for. With 1, two of five rough contacts
+# had plans for 1.8 and 1.5 times the cells of their solves.
+LEAST_FINER = 1.5
+# Seconds of a finer grid for numbers that is not solved for the plan, together with those of grids that may follow it,
+# over its own: some solves take one more grid of up to twice the cells.
+WITH_FURTHER_GRIDS = 1.25
+# Number of cells across of the coarsest level: on fewer a contact has three or four, and its iterations are no measure.
+LEAST_CELLS = 12
+# Least fraction done from which the seconds of a solve are extrapolated: below it a progress is that of the set-up.
+LEAST_FRACTION = 1e-4
+# Number of cells that take as long as all of a solve that does not grow with the cells, such as calls: 48^2 to 768^2
+# cells of rough and crowned contacts take 0.015 s, and 1 s for a million cells.
+CELLS_OF_CALL = 16_000
+# Least and largest power of the cells with which the seconds are taken to grow, where two levels show one: calls alone
+# make it small, and dense matrices, or more steps on finer cells, large.
+POWERS_OF_CELLS = 0.3, 2.5
+# Largest factor by which a level has fewer cells along an axis in a contact with adhesion, whose cohesive zone coarser
+# cells do not hold.
+COARSEST_WITH_ADHESION = 2
+# Least and largest power of the seconds with which the fraction done is taken to grow: linear for equal steps, more
+# where the iteration converges faster towards its end.
+PROGRESS_POWERS = 0.75, 4.0
+# Largest error to which a film is solved on a coarse level: with more, its grid does not resolve the contact.
+MOST_ERROR = 0.3
 NOT_PREDICTED = (
-    f"plan.error is not predicted, since no solve on coarse cells ended within {CONSTANTS.seconds:g} s: "
+    f"plan.error is not predicted, since no solve on coarse cells ended within {SOLVE_SECONDS:g} s: "
     "solve, and read answer.error."
 )
 
@@ -164,22 +152,37 @@ class Level:
     grid
         The grid.
     seconds
-        Seconds of processor time, of all of it.
+        Seconds of processor time of the whole solve, extrapolated if it was ended early.
     answer
-        The answer; None where the solve was ended before.
-    of_numbers
-        Those of the seconds that a solve which goes on to finer grids does not take.
+        The answer; None where the solve was ended early.
+    seconds_of_numbers
+        Part of the seconds that goes into the numbers of the answer, which a solve that goes on to finer grids does not
+        spend.
     """
 
     grid: Grid
     seconds: float
     answer: Any
-    of_numbers: float = 0.0
+    seconds_of_numbers: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
 class _Request:
-    """A planned solve, to be carried out on coarser grids: its plan, error and times, and whether its grid is free."""
+    """A planned solve, to be carried out on coarser grids.
+
+    Attributes
+    ----------
+    planned
+        Its plan without error and seconds.
+    error
+        Requested error; None where the grid is given without one.
+    times
+        Instants [s] to record.
+    is_chosen
+        True if the grid was not given, so that the solve refines it.
+    is_default
+        True if the error is the default one.
+    """
 
     planned: Plan
     error: Request | None
@@ -189,7 +192,7 @@ class _Request:
 
     @property
     def target(self) -> float | None:
-        """Relative error of the pressure, of a film that of its numbers."""
+        """Relative error of the pressure that is requested, or of a film the least of its numbers; None without one."""
         if self.scene.lubrication is not None and isinstance(self.error, Mapping):
             return min(self.error.values())
         return None if self.error is None else pressure_request(self.error)
@@ -207,7 +210,7 @@ class _Request:
 
     @property
     def speedup(self) -> float:
-        """Ratio of the seconds on one thread to those on the device, which a dry static contact can use."""
+        """Ratio of the seconds on one thread to those on the device; 1 but for a dry static contact without adhesion."""
         scene, planned = self.scene, self.planned
         if scene.method is not methods.STATIC or scene.adhesion:
             return 1.0
@@ -216,7 +219,8 @@ class _Request:
     def end(self, levels: list[Level]) -> tuple[Grid, float, str]:
         """Return the grid on which a solve is expected to end, the seconds of all its grids, and a sentence on these.
 
-        Raises :class:`~contactstudy.InvalidInput` for the name of a number in the requested error that no answer has.
+        Further levels, on grids for numbers that take little time, are appended to `levels`. Raises
+        :class:`~contactstudy.InvalidInput` for the name of a number in the requested error that no answer has.
         """
         for level in levels:
             if level.answer is not None:
@@ -224,19 +228,19 @@ class _Request:
         last, grids = levels[-1], self.grids_of_pressure(levels)
         seconds = sum(self.seconds_on(grid, levels) for grid in grids)
         if self.planned.first_grids is not None:
-            seconds += sum(level.seconds for level in levels) - (last.of_numbers if grids else 0.0)
+            seconds += sum(level.seconds for level in levels) - (last.seconds_of_numbers if grids else 0.0)
         grid, numbers = grids[-1] if grids else self.planned.grid, ""
         refines_numbers = self.planned.first_grids is not None or refines(self.scene)
         while self.is_chosen and refines_numbers and (answer := levels[-1].answer) is not None:
             further = grid_for_numbers(answer, is_default=self.is_default)
             axes = 1 if grid.cells[1] == 1 else 2
-            least = 1.0 if levels[-1].grid == grid else CONSTANTS.least_finer**axes
+            least = 1.0 if levels[-1].grid == grid else LEAST_FINER**axes
             if further is None or prod(further.cells) <= least * prod(grid.cells):
                 break
             grid, numbers = further, f" Numbers other than the pressure take {cells_text(further.cells)} or more."
             expected = self.seconds_on(grid, levels)
-            if expected > CONSTANTS.exact_seconds:
-                seconds += CONSTANTS.followed * expected
+            if expected > EXACT_SECONDS:
+                seconds += WITH_FURTHER_GRIDS * expected
                 break
             levels.append(self.solved(grid, 1))
             seconds += levels[-1].seconds
@@ -244,7 +248,7 @@ class _Request:
         return grid, seconds, f"seconds: from {part}a solve on {cells_text(last.grid.cells)}.{numbers}"
 
     def grids_of_pressure(self, levels: list[Level]) -> list[Grid]:
-        """Return the grids that a solve is expected to take for its pressure or film, beside its first ones."""
+        """Return the grids that a solve is expected to take for its pressure or film, beside the first grids if any."""
         planned, first = self.planned.grid, self.planned.first_grids
         if first is not None:
             between = [grid for grid in first.between if prod(grid.cells) < prod(planned.cells)]
@@ -255,15 +259,15 @@ class _Request:
         return [planned, *(self.refinements(levels) if is_refined else ())]
 
     def first_levels(self, first: FirstGrids) -> list[Level]:
-        """Return the solves of a static contact with which its own begins, the last one with its stress."""
+        """Return the levels with which the solve of a static contact begins, the last one with its numbers."""
         levels = []
-        for one in first.levels:
-            answer = contact_answer(one.solution, estimate=one.estimate, requested=self.error)
-            levels.append(Level(one.grid, one.seconds, answer))
+        for bounded in first.levels:
+            answer = contact_answer(bounded.solution, estimate=bounded.estimate, requested=self.error)
+            levels.append(Level(bounded.grid, bounded.seconds, answer))
         begin = process_time()
-        len(levels[-1].answer.quantities)
+        len(levels[-1].answer.quantities)  # computes them
         taken = process_time() - begin
-        levels[-1] = replace(levels[-1], seconds=levels[-1].seconds + taken, of_numbers=taken)
+        levels[-1] = replace(levels[-1], seconds=levels[-1].seconds + taken, seconds_of_numbers=taken)
         return levels
 
     def error_on(self, grid: Grid, levels: list[Level]) -> float:
@@ -272,20 +276,22 @@ class _Request:
         return sum(parts.values()) - parts.get("steps", 0.0) if parts else inf
 
     def parts_on(self, grid: Grid, levels: list[Level]) -> dict[str, float]:
-        """Return the bound of the pressure to expect on a grid by cause; empty if not known."""
-        solved = [level for level in levels if level.answer is not None]
-        if not solved:
+        """Return the bound of the pressure to expect on a grid by cause, from the last level that was solved.
+
+        It is empty if none was. The cells' part falls by the `CONVERGENCE_ORDER`.
+        """
+        last = next((level for level in reversed(levels) if level.answer is not None), None)
+        if last is None:
             return {}
-        last = solved[-1]
         parts = dict(last.answer.error.l1.by_cause)
         if "discretisation" in parts:
             coarser = prod(last.grid.cells) / prod(grid.cells)
             axes = 1 if grid.cells[1] == 1 else 2
-            parts["discretisation"] *= coarser ** (REFINEMENT.order / axes)
+            parts["discretisation"] *= coarser ** (CONVERGENCE_ORDER / axes)
         return parts
 
     def warnings_of(self, levels: list[Level]) -> tuple[str, ...]:
-        """Return warnings that follow from the last solve."""
+        """Return a sentence for each fault of the plan that the last level shows; none of a film."""
         answer = levels[-1].answer
         if self.scene.lubrication is not None:
             return ()
@@ -298,7 +304,7 @@ class _Request:
         touching = answer.pressure.reshape(-1, *answer.grid.cells).any(axis=(0, 2))
         if self.scene.hertz is not None and (touching[0] or touching[-1]):
             requirements = grid_requirements(self.scene)
-            known, wider = requirements.known_width, max(REFINEMENT.widening * width, requirements.width_of_contact)
+            known, wider = requirements.known_width, max(WIDENING * width, requirements.width_of_contact)
             remedy = "give a width of "
             if wider > known:
                 only = f"the surface is known over {readable(known)} only"
@@ -312,23 +318,24 @@ class _Request:
         return tuple(warnings)
 
     def levels(self) -> list[Level]:
-        """Return solves on ever finer grids, up to the planned one, as long as their seconds allow.
+        """Return the levels: solves on ever finer grids, up to the planned one, as long as their seconds allow.
 
-        Of a static contact they are those with which its own solve begins.
+        Of a static contact they are those with which its own solve begins. Raises :class:`~contactstudy.InvalidInput`
+        where the scene refuses all of these grids.
         """
         if self.planned.first_grids is not None:
             return self.first_levels(self.planned.first_grids)
         refused, levels = InvalidInput("no grid is coarser"), list[Level]()
         for factor in (8, 4, 2, 1):
-            grid = _coarser(self.planned.grid, factor)
+            grid = coarsened(self.planned.grid, factor)
             is_exact = grid == self.planned.grid
-            too_coarse = grid.cells[0] < CONSTANTS.least_cells or (
-                self.scene.adhesion is not None and factor > CONSTANTS.coarsest_with_adhesion
+            too_coarse = grid.cells[0] < LEAST_CELLS or (
+                self.scene.adhesion is not None and factor > COARSEST_WITH_ADHESION
             )
             if too_coarse and not is_exact:
                 continue
             spent = sum(level.seconds for level in levels)
-            limit = CONSTANTS.exact_seconds if is_exact else CONSTANTS.all_seconds - spent
+            limit = EXACT_SECONDS if is_exact else ALL_SECONDS - spent
             expected = self.seconds_on(grid, levels) if levels[1:] else 0.0
             if levels and (levels[-1].answer is None or expected > limit):
                 break
@@ -341,10 +348,13 @@ class _Request:
         return levels
 
     def solved(self, grid: Grid, factor: int) -> Level:
-        """Return the solve on a grid of 1 / `factor` of the cells along each axis; a steady film to a larger error."""
+        """Return the level on a `grid` of 1 / `factor` of the planned cells along each axis.
+
+        A steady film is solved to an error larger by the square of the factor.
+        """
         error, named = self.error, dict[str, Any]()
         if self.scene.method is methods.FILM and self.target is not None:
-            error = min(self.target * factor**2, CONSTANTS.most_error)
+            error = min(self.target * factor**2, MOST_ERROR)
         if self.scene.method.takes_times:
             named["times"] = self.times
         on = None if self.refines_film else grid
@@ -353,7 +363,7 @@ class _Request:
             answer: Any = None
             try:
                 answer = solve(self.scene, on, self.planned.padding, error=error, progress=watch, **named)
-                len(answer.quantities)  # computes the stress too
+                len(answer.quantities)  # computes them, and the stress
             except _TimeLimitReached:
                 answer = None
             if before == loaded():  # what is imported or compiled is not counted
@@ -363,7 +373,7 @@ class _Request:
         return Level(answer.grid, watch.seconds, answer)
 
     def seconds_on(self, grid: Grid, levels: list[Level]) -> float:
-        """Return the seconds on a grid from those on others: linear in the cells, or a power of them that two show."""
+        """Return the seconds on a `grid` from those of `levels`: linear in the cells, or by a power that two show."""
         last, cells = levels[-1], prod(grid.cells)
         present = prod(last.grid.cells)
         if len(levels) > 1 and self.planned.first_grids is None:
@@ -371,9 +381,9 @@ class _Request:
             coarser = prod(before.grid.cells)
             if coarser < present:
                 power = log(last.seconds / before.seconds) / log(present / coarser)
-                power = min(max(power, CONSTANTS.powers[0]), CONSTANTS.powers[1])
+                power = min(max(power, POWERS_OF_CELLS[0]), POWERS_OF_CELLS[1])
                 return float(last.seconds * (cells / present) ** power)
-        fixed = CONSTANTS.cells_of_call
+        fixed = CELLS_OF_CALL
         return last.seconds * (cells + fixed) / (present + fixed)
 
     def refinements(self, levels: list[Level]) -> Iterator[Grid]:
@@ -400,15 +410,17 @@ class _Request:
 
 
 class _TimeLimitReached(Exception):
-    """A solve has taken as many seconds as it may."""
+    """Ends a solve that has taken as many seconds as it may."""
 
 
 class _Watch:
-    """Follows a solve by its progress, and ends it after some seconds."""
+    """Follows a solve by its progress, and ends it after some seconds by raising `_TimeLimitReached`."""
 
     def __init__(self) -> None:
         self._begin = process_time()
+        # fractions done, each with the seconds since the solve began
         self.reports: list[tuple[float, float]] = []
+        # number of the first report on the present grid, and the seconds at which that grid began
         self._first, self._begun = 0, 0.0
 
     def __call__(self, progress: Progress) -> None:
@@ -417,7 +429,7 @@ class _Watch:
             self._first, self._begun = len(self.reports), self.reports[-1][1]
         self.reports.append((progress.fraction, self.seconds))
         # a fraction of 0 says nothing yet of a finer grid
-        limit = CONSTANTS.grid_seconds if self._first and not progress.fraction else CONSTANTS.seconds
+        limit = GRID_SECONDS if self._first and not progress.fraction else SOLVE_SECONDS
         if self.seconds > limit:
             raise _TimeLimitReached
 
@@ -428,17 +440,14 @@ class _Watch:
 
     @property
     def seconds_of_all(self) -> float:
-        """Seconds that all of the solve is expected to take, whose fraction goes with a power of the seconds."""
-        reports = [(done, at - self._begun) for done, at in self.reports[self._first :]]
+        """Seconds that all of the solve is expected to take: the fraction done grows with a power of the seconds.
+
+        The power is that between half of the seconds spent and all of them.
+        """
+        reports = [(fraction, at - self._begun) for fraction, at in self.reports[self._first :]]
         done, seconds = reports[-1]
-        done = min(max(done, CONSTANTS.least_fraction), 1.0)
-        half = max((one for one, at in reports if at <= seconds / 2), default=done / 2)
-        power = log(done / max(half, CONSTANTS.least_fraction / 2)) / log(2)
-        ratio = done ** (-1 / min(max(power, CONSTANTS.progress_powers[0]), CONSTANTS.progress_powers[1]))
+        done = min(max(done, LEAST_FRACTION), 1.0)
+        half = max((fraction for fraction, at in reports if at <= seconds / 2), default=done / 2)
+        power = log(done / max(half, LEAST_FRACTION / 2)) / log(2)
+        ratio = done ** (-1 / min(max(power, PROGRESS_POWERS[0]), PROGRESS_POWERS[1]))
         return self._begun + seconds * float(ratio)
-
-
-def _coarser(grid: Grid, factor: int) -> Grid:
-    """Return a grid with 1 / `factor` of the cells along each axis that has several."""
-    across, along = (count if count == 1 else max(count // factor, 2) for count in grid.cells)
-    return Grid((across, along), grid.extent)

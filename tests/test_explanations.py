@@ -91,8 +91,8 @@ def test_a_fixed_window_varies_along_the_length_as_its_page_says() -> None:
 def test_what_hidden_heights_add_to_a_bound_is_what_its_page_says() -> None:
     page = "error-estimates"
     rise = said(page, r"peak by up to ([\d.]+) times the pressure")[0]
-    assert pytest.approx(rise, abs=0.01) == hidden_heights.CONSTANTS.pressure_rise
-    assert bound.CONSTANTS.hidden_error == pytest.approx(4 / 5)
+    assert pytest.approx(rise, abs=0.01) == hidden_heights.PRESSURE_RISE
+    assert pytest.approx(4 / 5) == bound.HIDDEN_ERROR
     two_cells, one_cell = said(page, r"takes ([\d.]+) times this where the wave is two cells long, and ([\d.]+) times")
     # Johnson (1985), eq. 13.7: a wave of amplitude h and length l is flattened by pi E* h / l
     assert (two_cells, one_cell) == pytest.approx((np.pi / 2, np.pi), abs=0.05)

@@ -6,7 +6,7 @@ the size. With adhesion the net pressure is the pressure less the attraction. Th
 own, at a given approach and at pull-off.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf, sqrt
 
 import numpy as np
@@ -49,71 +49,46 @@ PROTRUDING = (
 )
 
 
-@dataclass(frozen=True)
-class OneGridConstants:
-    """Constants of the bound.
-
-    Attributes
-    ----------
-    smooth_ratio
-        Ratio of the hidden fraction of the load to the error of smooth edges below which no coarser solution is needed:
-        hidden heights then add less than the edges, whose law is a bound by some times.
-    hidden_error
-        Largest error in L1 over the hidden fraction of the load, see :class:`HiddenEffect`.
-    hidden_area
-        Largest error of the area over the fraction of it that may open: at most 0.2 in 25 rough contacts, of which four
-        times as much is taken, since openings are not bounded by anything else.
-    max_l1
-        Largest relative L1 difference of two pressures of one load, that of contacts without a common point.
-    load_error
-        Error of the load at a given approach over the L1 error due to the edges or the hidden fraction of the load: at
-        most 0.27 of the former on 288 smooth line contacts of 10 to 255 cells across the width, whose datum was half
-        the width of the grid or more.
-    negligible_attraction
-        Fraction of the largest sum of pressure and attraction up to which heights below an attraction do not count: its
-        tail covers most of the grid, where hidden heights change it little.
-    sharp_rise
-        Fraction of the peak pressure that a corner adds at each halving of the cells, from which it counts as sharp:
-        three halvings of such a corner change the peak by less than a half per cent.
-    min_cells_across
-        Least number of neighbouring cells in contact, along each axis, for edges to follow their law, which uses the
-        two or three cells next to each of them.
-    peak_by_shear
-        Error of the peak pressure over Dundurs' beta times the jump of the shear where slip begins: at most 0.42 in 32
-        contacts on 41 to 324 cells.
-    end_over_peak
-        Pressure at a roller's end over the peak pressure, from which that end may have the peak: sharp rollers of 2.5
-        to 30 half-widths have it there on 6 to 48 cells along; where a profile relieves the end, the pressure at it
-        falls below a half as the cells become finer.
-    falling_end
-        Pressure at free faces over that in the next cell, up to which it falls towards them on finer cells too.
-    end_rise, end_length
-        Errors in the end cells of a roller, of which with both bounds were 1.9 to 2.3 times the errors of 16 sharp
-        rollers that fit their cells, and 1.1 to 10 times those of 41 that do not. `end_rise` is the error over the rise
-        of the end cells above the next ones, in cells as long as the half-width. `end_length` is that over the pressure
-        on the length by which the cells make an end too long or too short: 2, as that pressure lies elsewhere, and as
-        much again for what it moves.
-    cell_at_interface
-        Largest cell over the thickness of a coating with which the grid resolves the shear stress at its interface.
-    """
-
-    smooth_ratio: float = 0.25
-    hidden_error: float = 0.8
-    hidden_area: float = 0.8
-    max_l1: float = 2.0
-    load_error: float = 0.3
-    negligible_attraction: float = 1e-3
-    sharp_rise: float = 1e-3
-    min_cells_across: int = 5
-    peak_by_shear: float = 0.6
-    end_over_peak: float = 0.5
-    falling_end: float = 0.9
-    end_rise: float = 0.5
-    end_length: float = 4.0
-    cell_at_interface: float = 0.5
-
-
-CONSTANTS = OneGridConstants()
+# Ratio of the hidden fraction of the load to the error of smooth edges below which no coarser solution is needed:
+# hidden heights then add less than the edges, whose law is a bound by some times.
+SMOOTH_RATIO = 0.25
+# Largest error in L1 over the hidden fraction of the load, see :class:`HiddenEffect`.
+HIDDEN_ERROR = 0.8
+# Largest error of the area over the fraction of it that may open: at most 0.2 in 25 rough contacts, of which four times
+# as much is taken, since openings are not bounded by anything else.
+HIDDEN_AREA = 0.8
+# Largest relative L1 difference of two pressures of one load, that of contacts without a common point.
+MAX_L1 = 2.0
+# Error of the load at a given approach over the L1 error due to the edges or the hidden fraction of the load: at most
+# 0.27 of the former on 288 smooth line contacts of 10 to 255 cells across the width, whose datum was half the width of
+# the grid or more.
+LOAD_ERROR = 0.3
+# Fraction of the largest sum of pressure and attraction up to which heights below an attraction do not count: its tail
+# covers most of the grid, where hidden heights change it little.
+NEGLIGIBLE_ATTRACTION = 1e-3
+# Fraction of the peak pressure that a corner adds at each halving of the cells, from which it counts as sharp: three
+# halvings of such a corner change the peak by less than a half per cent.
+SHARP_RISE = 1e-3
+# Least number of neighbouring cells in contact, along each axis, for edges to follow their law, which uses the two or
+# three cells next to each of them.
+MIN_CELLS_ACROSS = 5
+# Error of the peak pressure over Dundurs' beta times the jump of the shear where slip begins: at most 0.42 in 32
+# contacts on 41 to 324 cells.
+PEAK_BY_SHEAR = 0.6
+# Pressure at a roller's end over the peak pressure, from which that end may have the peak: sharp rollers of 2.5 to 30
+# half-widths have it there on 6 to 48 cells along; where a profile relieves the end, the pressure at it falls below a
+# half as the cells become finer.
+END_OVER_PEAK = 0.5
+# Pressure at free faces over that in the next cell, up to which it falls towards them on finer cells too.
+FALLING_END = 0.9
+# Errors in the end cells of a roller, of which with both bounds were 1.9 to 2.3 times the errors of 16 sharp rollers
+# that fit their cells, and 1.1 to 10 times those of 41 that do not. END_RISE is the error over the rise of the end
+# cells above the next ones, in cells as long as the half-width. END_LENGTH is that over the pressure on the length by
+# which the cells make an end too long or too short: 2, as that pressure lies elsewhere, and as much again for what it
+# moves.
+END_RISE, END_LENGTH = 0.5, 4.0
+# Largest cell over the thickness of a coating with which the grid resolves the shear stress at its interface.
+CELL_AT_INTERFACE = 0.5
 
 
 def discretisation_bound(
@@ -142,14 +117,14 @@ def discretisation_bound(
     peak, edges = (0.0, (0.0, 0.0)) if solution.regularised else shown_errors(solution)
     l1, at_end, at_hardness = sum(edges), end_error(solution), _at_hardness(solution)
     area = 0.0 if adheres else unseen_area_error(solution.pressure, wraps_of(problem), lawful_edges(solution))
-    load = CONSTANTS.load_error * max(0.0 if adheres else l1, inside.hidden_load)
+    load = LOAD_ERROR * max(0.0 if adheres else l1, inside.hidden_load)
     changes = DiscretisationErrors(0.0, 0.0, 0.0)
     follows_law = (
         load_is_fixed
         and not at_hardness
-        and _has_run_in_contact(pressure, CONSTANTS.min_cells_across)
-        and inside.hidden_load <= CONSTANTS.smooth_ratio * l1
-        and (at_end > 0 or inside.corner_rise <= CONSTANTS.sharp_rise)
+        and _has_run_in_contact(pressure, MIN_CELLS_ACROSS)
+        and inside.hidden_load <= SMOOTH_RATIO * l1
+        and (at_end > 0 or inside.corner_rise <= SHARP_RISE)
     )
     if at_end or not follows_law:
         changes = error_by_change(solution, coarse)
@@ -157,9 +132,9 @@ def discretisation_bound(
         return replace(changes, load=no_load)
     if follows_law:  # in L1, also at an end
         changes = replace(changes, l1=0.0)
-    hidden_error = CONSTANTS.hidden_error * inside.hidden_load * float(force.sum())
-    hidden_area = relative_loss(CONSTANTS.hidden_area * inside.area_loss)
-    largest_l1 = CONSTANTS.max_l1 if load_is_fixed else inf
+    hidden_error = HIDDEN_ERROR * inside.hidden_load * float(force.sum())
+    hidden_area = relative_loss(HIDDEN_AREA * inside.area_loss)
+    largest_l1 = MAX_L1 if load_is_fixed else inf
     of_net, peak_of_net = over_net(solution)
     l1 = max(l1 * of_net, changes.l1, hidden_error / float(pressure.sum()) * of_net)
     l1 = min(largest_l1, l1) if _has_run_in_contact(pressure, 2) else largest_l1
@@ -231,7 +206,7 @@ def dundurs_of_shear(solution: Solution) -> float:
 def _peak_by_shear(solution: Solution) -> float:
     """Return the relative error of the peak pressure by a shear of dissimilar bodies, which jumps where slip begins."""
     beta = dundurs_of_shear(solution)
-    return CONSTANTS.peak_by_shear * abs(beta) * jump_of_shear(solution) / solution.peak_pressure if beta else 0.0
+    return PEAK_BY_SHEAR * abs(beta) * jump_of_shear(solution) / solution.peak_pressure if beta else 0.0
 
 
 def jump_of_shear(solution: Solution) -> float:
@@ -283,8 +258,8 @@ def end_error(solution: Solution) -> float:
         if cells := np.count_nonzero(at_end):
             half_width = cells * problem.grid.cell_size[0] / 2
             rise = float(np.abs(at_end - pressure[:, next_inward]).sum())
-            error += CONSTANTS.end_rise * sqrt(problem.grid.cell_size[1] / half_width) * rise
-            error += CONSTANTS.end_length * misfit * float(at_end.sum())
+            error += END_RISE * sqrt(problem.grid.cell_size[1] / half_width) * rise
+            error += END_LENGTH * misfit * float(at_end.sum())
     return error / float(pressure.sum())
 
 
@@ -293,7 +268,7 @@ def _force(solution: Solution) -> Array:
     if solution.adhesion is None:
         return solution.pressure
     force = solution.pressure + solution.adhesion.attraction
-    return np.where(force > CONSTANTS.negligible_attraction * force.max(), force, 0.0)
+    return np.where(force > NEGLIGIBLE_ATTRACTION * force.max(), force, 0.0)
 
 
 def over_net(solution: Solution) -> tuple[float, float]:
@@ -334,7 +309,7 @@ def _unresolved_length(problem: Problem) -> str:
 def _no_peak(solution: Solution, inside: HiddenEffect) -> str:
     """Return why the peak pressure has no bound, beside heights inside the cells; an empty string where it has one."""
     reason = ""
-    if inside.corner_rise > CONSTANTS.sharp_rise:
+    if inside.corner_rise > SHARP_RISE:
         reason = (
             f"it lies at {SHARP_EDGE}, where it is infinite: round the edge, close the seam of a measured surface, or "
             "ask for another quantity"
@@ -367,10 +342,9 @@ def _at_sharp_end(problem: Problem, pressure: Array) -> bool:
         if ends.size < 2:  # no row beside it tells whether the pressure falls to the end
             return bool(ends.size)
         return any(
-            end > max(CONSTANTS.falling_end * before, CONSTANTS.end_over_peak * peaks.max())
-            for end, before in (ends[:2], ends[:-3:-1])
+            end > max(FALLING_END * before, END_OVER_PEAK * peaks.max()) for end, before in (ends[:2], ends[:-3:-1])
         )
-    return bool(peaks[[0, -1]].max() > CONSTANTS.end_over_peak * peaks.max())
+    return bool(peaks[[0, -1]].max() > END_OVER_PEAK * peaks.max())
 
 
 def has_isolated_cells(solution: Solution) -> bool:

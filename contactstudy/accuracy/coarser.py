@@ -174,32 +174,17 @@ def straight_edges(pressure: Array) -> StraightEdges | None:
     return StraightEdges(places + np.array([[last - middle], [middle - first]]), uncertainty)
 
 
-@dataclass(frozen=True)
-class DiscretisationConstants:
-    """Constants of the errors due to the cells.
-
-    Attributes
-    ----------
-    edge_effect
-        Change of a maximum over its second difference with the places of the edges in their cells: 1/16 in closed form
-        between two straight edges that fall alike; a third more for edges that are neither straight nor alike.
-    edge_effect_beside
-        The same where the maximum lies within two cells of an edge, where no parabola holds: four times as much.
-    edge_uncertainty
-        Uncertainty, in cells, of the place of an edge that is not straight: it may lie anywhere in its cell, half a
-        cell to either side of the middle.
-    side_excess
-        Excess of the counted area per side of its outline, in cells: ``(pi - 1 + ln 2) / 24`` in the mean of all
-        directions of an edge (Yastrebov, Anciaux & Molinari 2017, Tribology Int. 114, 161).
-    """
-
-    edge_effect: float = 1 / 12
-    edge_effect_beside: float = 1 / 3
-    edge_uncertainty: float = 0.5
-    side_excess: float = (pi - 1 + log(2)) / 24
-
-
-CONSTANTS = DiscretisationConstants()
+# Change of a maximum over its second difference with the places of the edges in their cells: 1/16 in closed form
+# between two straight edges that fall alike; a third more for edges that are neither straight nor alike.
+EDGE_EFFECT = 1 / 12
+# The same where the maximum lies within two cells of an edge, where no parabola holds: four times as much.
+EDGE_EFFECT_BESIDE = 1 / 3
+# Uncertainty, in cells, of the place of an edge that is not straight: it may lie anywhere in its cell, half a cell to
+# either side of the middle.
+EDGE_UNCERTAINTY = 0.5
+# Excess of the counted area per side of its outline, in cells: ``(pi - 1 + ln 2) / 24`` in the mean of all directions
+# of an edge (Yastrebov, Anciaux & Molinari 2017, Tribology Int. 114, 161).
+SIDE_EXCESS = (pi - 1 + log(2)) / 24
 # Uncertainty, in cells, of two straight edges together, beside that of :class:`StraightEdges`: on 150 cylinders of 12
 # to 150 cells across the contact, the error of their places was at most 0.0017 cells larger than that.
 STRAIGHT_UNCERTAINTY = 0.006
@@ -291,7 +276,7 @@ def discretisation_errors(pressure: Array, wraps: tuple[bool, bool]) -> tuple[fl
         # the parabola's vertex is slope / curvature cells away
         beside += slope**2 / curvature / 2 - curvature / 24 if curvature > 0 else 0.0
         around = padded[max(index - 1, 0) : index + 4, line] > 0
-        edges = max(edges, (CONSTANTS.edge_effect if around.all() else CONSTANTS.edge_effect_beside) * curvature)
+        edges = max(edges, (EDGE_EFFECT if around.all() else EDGE_EFFECT_BESIDE) * curvature)
     total = float(pressure.sum())
     return (abs(beside) + edges) / level, (l1[0] / total, l1[1] / total)
 
@@ -313,12 +298,12 @@ def contact_area_in_cells(pressure: Array, wraps: tuple[bool, bool], edges: Stra
 
     Straight `edges` across follow from the pressure beside them, and are found if not at hand
     (:func:`~contactstudy.accuracy.coarser.straight_edges`). Along others each cell in contact counts as a whole,
-    less ``CONSTANTS.side_excess`` for each side of the outline.
+    less ``SIDE_EXCESS`` for each side of the outline.
     """
     if (edges := edges or straight_edges(pressure)) is not None:
         return float(edges.places.sum())
     sides = sum(int(lengths.sum()) for lengths in _lengths_of_sides(pressure > 0, wraps))
-    return float(max(np.count_nonzero(pressure) - CONSTANTS.side_excess * sides, 0.0))
+    return float(max(np.count_nonzero(pressure) - SIDE_EXCESS * sides, 0.0))
 
 
 def unseen_area_error(pressure: Array, wraps: tuple[bool, bool], edges: StraightEdges | None) -> float:
@@ -333,7 +318,7 @@ def unseen_area_error(pressure: Array, wraps: tuple[bool, bool], edges: Straight
         lost += pressure.shape[1] * (edges.uncertainty + STRAIGHT_UNCERTAINTY)
     else:
         lengths = np.concatenate(_lengths_of_sides(pressure > 0, wraps))
-        lost += CONSTANTS.edge_uncertainty * float((lengths**2).sum()) ** 0.5
+        lost += EDGE_UNCERTAINTY * float((lengths**2).sum()) ** 0.5
     return relative_loss(lost / area) if area else inf
 
 

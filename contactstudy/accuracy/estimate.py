@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from contactstudy.accuracy.bound import CONSTANTS as BOUND_CONSTANTS
 from contactstudy.accuracy.bound import (
+    CELL_AT_INTERFACE,
     discretisation_bound,
     dundurs_of_shear,
     has_isolated_cells,
@@ -393,7 +393,7 @@ def unresolved_interface(grid: Grid, thickness: float) -> ErrorParts | None:
     It lies beside an edge of the contact, over a length of the `thickness` [m] of the layer above, so that it has a
     bound on cells of up to half of that.
     """
-    cell, largest = grid.cell_size[0], thickness * BOUND_CONSTANTS.cell_at_interface
+    cell, largest = grid.cell_size[0], thickness * CELL_AT_INTERFACE
     if cell <= largest * (1 + 1e-9):
         return None
     reason = (

@@ -28,49 +28,29 @@ STEPS = 0.7548776662466927, 0.5698402909980532
 BEYOND = np.array([[10.0, -20.0, 15.0, -4.0], [4.0, -6.0, 4.0, -1.0]])
 
 
-@dataclass(frozen=True)
-class HiddenHeightsConstants:
-    """Constants of the examination of heights inside the cells.
-
-    Attributes
-    ----------
-    points
-        Points in a cell along a line, where all shapes name their length scales: four show 81 % and more of the largest
-        error of the cubics in waves of two cells and longer.
-    points_at_corners
-        Points in a cell along a line that may have a corner, where all shapes name their length scales: the bend of a
-        smooth surface between two points is then a quarter of that at `points`, and that of a corner the same.
-    points_without_scales
-        Points in a cell along a line, where a shape names no length scales: features of 2 % of a cell are found.
-    points_off_lines
-        Points in a cell off the lines, where a shape names no length scales: a feature that covers 3 % of the cell is
-        found with a probability of 95 %.
-    lines, sparse
-        Of many lines along an axis one in `sparse` is examined, but at least `lines`, or all if there are fewer.
-        Surfaces with length scales are alike on neighbouring lines.
-    pressure_rise
-        Rise of the pressure where a hidden height h is pressed flat, over ``E* h / dx``. It is pi / 2 and pi for waves
-        of two cells and of one, and pi / 2 for a bump ``exp(-r^2 / dx^2)``.
-    further_rise
-        Rise on all finer cells over that rise, where a shape names no length scales: at most 3.2 under heights
-        ``|x|^n`` with n from 1.5 on.
-    corner_fraction
-        Fraction of the slope change at two neighbouring points, less those at the points before and after them, from
-        which it counts as a corner: a height ``|x|^n`` with n below 1.5 has more, a smooth one none.
-    """
-
-    points: int = 4
-    points_at_corners: int = 16
-    points_without_scales: int = 48
-    points_off_lines: int = 99
-    lines: int = 64
-    sparse: int = 4
-    pressure_rise: float = pi
-    further_rise: float = 3.5
-    corner_fraction: float = 0.55
-
-
-CONSTANTS = HiddenHeightsConstants()
+# Points in a cell along a line, where all shapes name their length scales: four show 81 % and more of the largest error
+# of the cubics in waves of two cells and longer.
+POINTS_PER_CELL = 4
+# Points in a cell along a line that may have a corner, where all shapes name their length scales: the bend of a smooth
+# surface between two points is then a quarter of that at `POINTS_PER_CELL`, and that of a corner the same.
+POINTS_AT_CORNERS = 16
+# Points in a cell along a line, where a shape names no length scales: features of 2 % of a cell are found.
+POINTS_WITHOUT_SCALES = 48
+# Points in a cell off the lines, where a shape names no length scales: a feature that covers 3 % of the cell is found
+# with a probability of 95 %.
+POINTS_OFF_LINES = 99
+# Of many lines along an axis one in LINES_PER_EXAMINED is examined, but at least LEAST_LINES, or all if there are
+# fewer. Surfaces with length scales are alike on neighbouring lines.
+LEAST_LINES, LINES_PER_EXAMINED = 64, 4
+# Rise of the pressure where a hidden height h is pressed flat, over ``E* h / dx``. It is pi / 2 and pi for waves of two
+# cells and of one, and pi / 2 for a bump ``exp(-r^2 / dx^2)``.
+PRESSURE_RISE = pi
+# Rise on all finer cells over that rise, where a shape names no length scales: at most 3.2 under heights ``|x|^n`` with
+# n from 1.5 on.
+FURTHER_RISE = 3.5
+# Fraction of the slope change at two neighbouring points, less those at the points before and after them, from which it
+# counts as a corner: a height ``|x|^n`` with n below 1.5 has more, a smooth one none.
+CORNER_FRACTION = 0.55
 
 
 @dataclass(frozen=True)
@@ -136,7 +116,7 @@ class HiddenHeights:
         if source is None or problem.paddings is None:
             return None
         missed, protrusion, corner = np.zeros((3, 1, 1))
-        points = CONSTANTS.points if source.has_length_scales else CONSTANTS.points_without_scales
+        points = POINTS_PER_CELL if source.has_length_scales else POINTS_WITHOUT_SCALES
         axes = [axis for axis in (0, 1) if grid.cells[axis] > 1]
         moduli = _moduli(problem)
         stiffness = [modulus / grid.cell_size[axis] for axis, modulus in zip(axes, moduli, strict=True)]
@@ -148,7 +128,7 @@ class HiddenHeights:
                 missed, protrusion = missed + missed_here * stiff, protrusion + protruding * stiff
                 corner = np.maximum(corner, slope_change * modulus * log(2) / (2 * pi))
             # the pressure below a height ``|x|^n`` goes on rising on finer cells
-            rise = CONSTANTS.pressure_rise * missed * (1 if source.has_length_scales else CONSTANTS.further_rise)
+            rise = PRESSURE_RISE * missed * (1 if source.has_length_scales else FURTHER_RISE)
             if not source.has_length_scales and len(axes) == 2:
                 missed_there, protrusion_there, rise_there = _off_lines(problem)
                 missed = np.maximum(missed, missed_there * max(stiffness))
@@ -204,7 +184,7 @@ def _on_lines(problem: Problem, axis: int, points: int) -> list[Array] | None:
     assert source is not None
     assert paddings is not None
     cells = list(grid.cells)
-    cells[1 - axis] = min(cells[1 - axis], max(CONSTANTS.lines, cells[1 - axis] // CONSTANTS.sparse))
+    cells[1 - axis] = min(cells[1 - axis], max(LEAST_LINES, cells[1 - axis] // LINES_PER_EXAMINED))
     finer = (points * cells[0], cells[1]) if axis == 0 else (cells[0], points * cells[1])
     sampled = (source.gap(Grid(counts, grid.extent)) for counts in ((cells[0], cells[1]), finer))
     centres, inside = (axis_first(heights, axis) for heights in sampled)
@@ -223,8 +203,8 @@ def _on_lines(problem: Problem, axis: int, points: int) -> list[Array] | None:
         shown = _shown(centres[:, lines], inside[:, lines], wraps=paddings[axis].wraps)
         examined.append((*shown, _corners(bends, points)))
     on_lines = [np.concatenate(fields, axis=1) for fields in zip(*examined, strict=True)]
-    if points < CONSTANTS.points_at_corners and on_lines[2].any():
-        return _on_lines(problem, axis, CONSTANTS.points_at_corners)
+    if points < POINTS_AT_CORNERS and on_lines[2].any():
+        return _on_lines(problem, axis, POINTS_AT_CORNERS)
     if axis and problem.covered_fractions is not None:  # an end is no height that is hidden
         at_end = np.convolve(problem.covered_fractions < 1, np.ones(5))[2:-2] > 0
         on_lines[:2] = [np.where(at_end[:, None], 0.0, fields) for fields in on_lines[:2]]
@@ -270,7 +250,7 @@ def _corners(slope_changes: Array, points: int) -> Array:
     outward, size = np.maximum(slope_changes, 0), np.abs(slope_changes)
     pairs = outward + np.roll(outward, -1, axis=0)  # of each point and the next one
     slope = pairs - np.roll(size, 1, axis=0) - np.roll(size, -2, axis=0)
-    slope[slope <= CONSTANTS.corner_fraction * pairs] = 0.0
+    slope[slope <= CORNER_FRACTION * pairs] = 0.0
     steepest, usual = (field.reshape(-1, points, size.shape[1]) for field in (slope, size))
     return np.where(steepest.max(axis=1) > usual.mean(axis=1), steepest.max(axis=1), 0.0)
 
@@ -297,7 +277,7 @@ def _off_lines(problem: Problem) -> tuple[Array, Array, Array]:
     centres = np.broadcast_to(heights(grid), grid.cells)
     across, along = (padding.wraps for padding in problem.paddings)
     beside = _extended(centres, wraps=across)
-    for number in range(CONSTANTS.points_off_lines):
+    for number in range(POINTS_OFF_LINES):
         shift = (0.5 + number * STEPS[0]) % 1 - 0.5, (0.5 + number * STEPS[1]) % 1 - 0.5
         points = np.broadcast_to(heights(_ShiftedGrid(grid.cells, grid.extent, shift)), grid.cells)
         smooth = _cubic(_extended(_cubic(beside, shift[0]).T, wraps=along), shift[1]).T
@@ -307,9 +287,9 @@ def _off_lines(problem: Problem) -> tuple[Array, Array, Array]:
     # above all centres about a cell: a step between two centres hides no height
     modes = tuple("wrap" if is_periodic else "nearest" for is_periodic in (across, along))
     protrusion = np.maximum(minimum_filter(centres, 3, mode=modes) - lowest, 0)
-    largest = CONSTANTS.points_off_lines * missed**2
+    largest = POINTS_OFF_LINES * missed**2
     fraction = np.divide(squares, largest, out=np.ones(grid.cells), where=largest > 0)
-    return missed, protrusion, CONSTANTS.pressure_rise * missed / np.sqrt(2 * fraction / pi)
+    return missed, protrusion, PRESSURE_RISE * missed / np.sqrt(2 * fraction / pi)
 
 
 def _cubic(extended: Array, position: float) -> Array:

@@ -312,10 +312,10 @@ def _load_at_peak(scene: Scene, pressure: float) -> str:
 def _beyond_varying_strength(solution: Solution, number: int, body: Any, shear: float) -> str:
     """Return a sentence if a body whose strength varies with depth is beyond its yield stress or hardness, or ``""``.
 
-    The `body` is that of the `number` in the scene, and `shear` the largest tangential traction [Pa]. The stress is that
-    at the surface, in the middle of each layer, on both sides of its lower interface, and at up to a width of the
-    contact, where that in a half-space is largest; of a hardness profile, also at the depths of its points. The pressure
-    on each part below a layer is compared with the hardness of that part.
+    The `body` is that of the `number` in the scene, and `shear` the largest tangential traction [Pa]. The stress is
+    that at the surface, in the middle of each layer, on both sides of its lower interface, and at up to a width of the
+    contact, where that in a half-space is largest; of a hardness profile, also at the depths of its points. The
+    pressure on each part below a layer is compared with the hardness of that part.
     """
     parts, name = list(getattr(body, "parts", {}).values()), f"Scene.solids[{number}]"
     # the stress in a half-space is at most its pressure; a stiff layer takes the strain of what is below

@@ -1,4 +1,8 @@
-"""Requirements of a scene on its grid: width, length, cells, padding, and the error to expect of them."""
+"""Requirements of a scene on its grid: width, length, least cells and padding, with the reasons and the faults in words.
+
+Across is x, over the width of the grid, along is y, over its length, which is a period, or ends with a roller. Hertz's
+contact is the smooth line contact of the same load, curvature and materials.
+"""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -8,7 +12,7 @@ from operator import is_
 
 import numpy as np
 
-from contactstudy.accuracy.bound import CONSTANTS as ONE_GRID
+from contactstudy.accuracy.bound import CELL_AT_INTERFACE
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings, ZeroPadding
 from contactstudy.domain.validation import InvalidInput, Metres, NotDefined, readable, valid
@@ -16,33 +20,20 @@ from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import LengthScales, Shape, length_scales_of
 from contactstudy.scene.solids.bodies import Layered, is_layered
 
-
-@dataclass(frozen=True)
-class GridConstants:
-    """Constants of planned grids.
-
-    Effects on plans that are stated are those on a smooth, a rough, a rolling and a changing contact planned to 1 %.
-
-    Attributes
-    ----------
-    width_factor
-        Width of the grid over that of the contact. With 1.1 to 1.4 plans have 0.9 to 2.2 times the cells.
-    waves_per_period
-        Number of longest wavelengths in a period with which one surface is representative.
-    min_cells
-        Minimum number of cells along an axis. With half or twice as many, plans change by 2 % of the cells at most.
-    cell_fraction
-        Fraction of the requested error for the cells; the rest is for the time steps.
-    """
-
-    width_factor: float = 1.2
-    waves_per_period: int = 4
-    min_cells: int = 32
-    cell_fraction: float = 0.5
-
-
-CONSTANTS = GridConstants()
-# Cells in the shortest wavelength of flats with waves along one axis, and along both.
+# Effects of constants that are stated are those on plans of a smooth, a rough, a rolling and a changing contact to 1 %.
+# Width of the grid over that of the contact. With 1.1 to 1.4 plans have 0.9 to 2.2 times the cells.
+WIDTH_FACTOR = 1.2
+# Number of longest wavelengths in a period with which one surface is representative. With half or twice as many, the
+# cells go with it.
+WAVES_PER_PERIOD = 4
+# Minimum number of cells along an axis. With half or twice as many, plans change by 2 % of the cells at most.
+MIN_CELLS = 32
+# Fraction of the requested error for the cells where a scene changes in time; the rest is for the time steps.
+CELL_FRACTION = 0.5
+# Factor on the expected half-width of a roller's contact, since its middle, or its ends, carry more than the mean.
+CROWN_FACTOR = 1.5
+# Cells in the shortest wavelength of flats with waves along one axis, and along both. The largest grid on which a solve
+# takes tenths of a second, since no solve tells their error.
 CELLS_PER_WAVE = 1024, 128
 
 
@@ -53,9 +44,10 @@ class GridRequirements:
     Attributes
     ----------
     hertz
-        Hertz's contact of the reference load: the largest one, or more with attraction.
+        Hertz's contact under the largest load of the scene, with adhesion under a load larger by that of the
+        attraction.
     length_scales
-        Wavelengths and heights of each shape.
+        Wavelengths, heights and extents of each shape.
     hardness
         Largest pressure of the softer body [Pa].
     coatings
@@ -63,9 +55,10 @@ class GridRequirements:
     given_padding
         Boundary conditions that are given, or None.
     stress_cell
-        Largest cell across with which the stress at the interface of a coating is resolved [m], where it is asked for.
+        Largest cell across with which the stress at the interface of a coating is resolved [m]; infinite where that is
+        not asked for.
     body
-        What ends and carries the whole load, in words.
+        What ends within the grid and carries the whole load, as sentences call it.
     """
 
     hertz: HertzLine
@@ -82,7 +75,10 @@ class GridRequirements:
         return next((scales.spacing for scales in self.length_scales if scales.spacing is not None), None)
 
     def grid_on_measured_points(self, period: float | None) -> Grid:
-        """Return a grid whose cells are the points of a measured surface, as wide as the contact may become."""
+        """Return a grid whose cells are the points of a measured surface, as wide as the contact may become.
+
+        Its length is a `period` [m], chosen if that is None.
+        """
         assert self.point_spacing is not None
         width = min(self.width_of_contact, self.known_width)
         length = self.length(period, width)
@@ -100,12 +96,12 @@ class GridRequirements:
 
     @property
     def is_rough(self) -> bool:
-        """True if any shape has wavelengths."""
+        """True if any shape has waves, random or regular."""
         return min(self.shortest_wavelengths) < inf
 
     @property
     def roller_length(self) -> float:
-        """The shortest length of a roller that a shape names [m]; infinite if none has a length, 0 without rollers."""
+        """The shortest length of a roller that shapes name [m]; infinite if none gives a length, 0 without rollers."""
         return min((scales.roller for scales in self.length_scales if scales.roller), default=0.0)
 
     @property
@@ -132,44 +128,42 @@ class GridRequirements:
     def half_width(self) -> float:
         """Expected half-width of the contact [m].
 
-        It is where Hertz's gap equals the largest height (of rollers 1.5 times that), or the width that carries the load
-        at the hardness.
+        It is where Hertz's gap equals the largest height, of rollers times `CROWN_FACTOR`, or the width that carries
+        the load at the hardness. At t half-widths a the gap is ``a^2 / (2 R) (t (t^2 - 1)^(1/2) - arcosh t)`` (Johnson
+        1985, sect. 4.2(c)).
         """
         hertz = self.hertz
         scale = hertz.half_width**2 / (2 * hertz.radius)
         relative_half_width = 1.0
         if self.height > 0:
-            # the gap at t half-widths is at least scale (t - 1)^2
-            bracket = 2 + sqrt(2 * self.height / scale)
+            from scipy.optimize import brentq  # imported late, since it is slow
 
             def residual_gap(t: float) -> float:
                 return scale * (t * sqrt((t - 1) * (t + 1)) - acosh(t)) - self.height
 
-            from scipy.optimize import brentq  # imported late, since it is slow
-
-            relative_half_width = float(brentq(residual_gap, 1.0, bracket))
-        # the middle or the ends carry more than the mean
-        crown_factor = 1.5 if self.roller_length else 1.0
+            # the gap is at least scale (t - 1)^2
+            relative_half_width = float(brentq(residual_gap, 1.0, 2 + sqrt(2 * self.height / scale)))
+        crown_factor = CROWN_FACTOR if self.roller_length else 1.0
         hardness_limited = hertz.load_per_length / (2 * self.hardness)
         return max(hertz.half_width * relative_half_width * crown_factor, hardness_limited)
 
     @property
     def width_of_contact(self) -> float:
-        """Width [m] that holds the contact that is expected."""
-        return 2 * CONSTANTS.width_factor * self.half_width
+        """Width [m] of a grid that holds the contact that is expected."""
+        return 2 * WIDTH_FACTOR * self.half_width
 
     def extent(self, period: float | None) -> tuple[float, float]:
-        """Return the width and the length [m] to begin with, the length a `period` if it is given."""
+        """Return the width and the length [m] of the grid to begin with; the length is a `period` if that is given."""
         width = self.width(self.width_of_contact)
         return width, self.length(period, width)
 
     def width(self, least: float) -> float:
-        """Return the width of the grid [m]: at least `least`, unless the shapes are known over less.
+        """Return the width of the grid [m]: at least `least` [m], unless the shapes are known over less.
 
         A random surface without an extent has that of the grid. That is wide enough to be representative, and grows by
         factors of two, so that a somewhat larger load leaves the surface as it is.
         """
-        unit = CONSTANTS.waves_per_period * max((scales.longest_across for scales in self.length_scales), default=0.0)
+        unit = WAVES_PER_PERIOD * max((scales.longest_across for scales in self.length_scales), default=0.0)
         if unit:
             least = unit * 2 ** max(0, int(np.ceil(log2(least / unit) - 1e-9)))
         return min(least, self.known_width)
@@ -198,12 +192,12 @@ class GridRequirements:
         if not self.varies:
             return width
         repeats = {scales.period for scales in self.length_scales if scales.period}
-        waves = CONSTANTS.waves_per_period
+        waves = WAVES_PER_PERIOD
         unit = _common_period(repeats) if repeats else (self.longest_wavelength or width) / waves
         return unit * max(1, int(np.ceil(waves * self.longest_wavelength / unit * (1 - 1e-12))))
 
     def padding(self) -> Padding | Paddings:
-        """Return the given padding, else zero along both axes if a roller ends, or across, and periodic along."""
+        """Return the given padding, else zeros along both axes for a roller that ends, and for others periodic along."""
         if self.given_padding is not None:
             return self.given_padding
         return (ZeroPadding(), ZeroPadding()) if self.roller_length else ExactPeriodicity()
@@ -219,16 +213,16 @@ class GridRequirements:
             return ""
         if fault := period_fault(period, self.length_scales):
             return fault
-        if 0 < period < CONSTANTS.waves_per_period * self.longest_wavelength * (1 - 1e-9):
+        if 0 < period < WAVES_PER_PERIOD * self.longest_wavelength * (1 - 1e-9):
             return (
                 f"The period {readable(period)} is only {period / self.longest_wavelength:.2g} longest wavelengths "
                 f"({readable(self.longest_wavelength)}) long, too short to be representative: give "
-                f"{readable(np.ceil(CONSTANTS.waves_per_period * self.longest_wavelength / period) * period)}."
+                f"{readable(np.ceil(WAVES_PER_PERIOD * self.longest_wavelength / period) * period)}."
             )
         return ""
 
     def reasons(self, grid: Grid) -> tuple[str, ...]:
-        """Return a sentence each on width, cells, length, padding and coatings on `grid`."""
+        """Return a sentence each on the width, cells, length and padding of `grid`, and on the coatings."""
         a = self.hertz.half_width
         width = (
             f"width {readable(grid.extent[0])}: {grid.extent[0] / 2 / a:.3g} half-widths of Hertz (a = {readable(a)}) "
@@ -272,7 +266,7 @@ def grid_requirements(scene: Scene, padding: Padding | Paddings | None = None) -
     InvalidInput
         If a shape has no length scales.
     NotDefined
-        If no shape is curved, so that the contact has no width of its own.
+        If the scene has no Hertz contact: no shape is curved across alone, so that no width is known.
     """
     if scene.hertz is None:
         if min(scene.curvatures) > 0:
@@ -293,7 +287,7 @@ def grid_requirements(scene: Scene, padding: Padding | Paddings | None = None) -
             )
     length_scales = tuple(length_scales_of(scene.shapes))
     length = scene.roller_length
-    if scene.free_length < inf:  # it ends the contact, whatever length a profile is made for
+    if scene.free_length < inf:  # a body with free faces ends the contact, whatever length a profile is made for
         length_scales = tuple(replace(scales, roller=0.0) for scales in length_scales)
     if scene.free_length < inf or (length is not None and any(scales.roller for scales in length_scales)):
         length_scales += (LengthScales(roller=length or inf),)
@@ -307,7 +301,7 @@ def grid_requirements(scene: Scene, padding: Padding | Paddings | None = None) -
         scene.hardness,
         coatings,
         given_padding=padding,
-        stress_cell=thickness * ONE_GRID.cell_at_interface,
+        stress_cell=thickness * CELL_AT_INTERFACE,
         body="roller" if scene.ellipse is None else "point contact",
     )
 
@@ -315,13 +309,16 @@ def grid_requirements(scene: Scene, padding: Padding | Paddings | None = None) -
 def with_requirements(
     scene: Scene, padding: Padding | Paddings | None, period: float | None
 ) -> tuple[Scene, GridRequirements]:
-    """Return `scene`, whose random surfaces keep the extent of its first grid on narrower ones, and its requirements."""
+    """Return `scene` with the extent of its first grid for random surfaces, and its requirements.
+
+    On narrower grids the surfaces then stay as they are. Padding and `period` [m] are chosen if None.
+    """
     scene = with_random_extents(scene, grid_requirements(scene, padding).extent(period))
     return scene, grid_requirements(scene, padding)
 
 
 def with_random_extents(scene: Scene, extent: tuple[float, float]) -> Scene:
-    """Return `scene`, whose random surfaces without an extent get this one [m]."""
+    """Return `scene`, whose random surfaces without an extent get this one (width, length) [m]."""
     shapes = tuple(
         shape.with_extent_of(Grid((2, 1), extent))  # type: ignore[attr-defined]
         if any(scales.longest_across for scales in length_scales_of([shape]))
@@ -332,7 +329,7 @@ def with_random_extents(scene: Scene, extent: tuple[float, float]) -> Scene:
 
 
 def measured_length_scales(scene: Scene) -> LengthScales | None:
-    """Return the length scales of the first measured surface of `scene` that has a size of its own; None without one."""
+    """Return the length scales of the first measured surface of `scene` that has a size; None without such a surface."""
     length_scales = length_scales_of(scene.shapes)
     return next((scales for scales in length_scales if scales.spacing is not None), None)
 
@@ -356,10 +353,12 @@ def flat_grid(scales: LengthScales, period: float | None) -> Grid:
 def grid_of_waves(shapes: Iterable[Shape]) -> Grid | None:
     """Return a grid of one common period of waves and textures each way; None of shapes that do not repeat.
 
-    Raises :class:`~contactstudy.InvalidInput` if the shapes share no period.
+    It has `CELLS_PER_WAVE` in the shortest wavelength. Raises :class:`~contactstudy.InvalidInput` if the shapes share
+    no period.
     """
     found = list(length_scales_of(shapes))
-    across, along = ({getattr(scales, name) for scales in found} - {0.0} for name in ("period_across", "period"))
+    across = {scales.period_across for scales in found if scales.period_across}
+    along = {scales.period for scales in found if scales.period}
     if not across and not along:
         return None
     width, length = (_common_period(periods) if periods else 0.0 for periods in (across, along))
@@ -388,7 +387,10 @@ def _whole_parts(total: float, part: float) -> int | None:
 
 
 def _common_period(lengths: set[float]) -> float:
-    """Return the shortest length that is a whole multiple of each of `lengths`."""
+    """Return the shortest length that is a whole multiple of each of `lengths` [m], in ratios of whole numbers up to 64.
+
+    Raises :class:`~contactstudy.InvalidInput` if there is none.
+    """
     first = max(lengths)
     ratios = [Fraction(first / length).limit_denominator(64) for length in lengths]
     multiple = lcm(*(ratio.denominator for ratio in ratios))
@@ -402,7 +404,7 @@ def _common_period(lengths: set[float]) -> float:
 
 
 def halvable_count(count: float) -> int:
-    """Return `count` rounded up so that halving leads to `min_cells` to twice as many cells; at least `min_cells`."""
-    count = max(count, CONSTANTS.min_cells)
-    step = 2 ** int(log2(count / CONSTANTS.min_cells))
+    """Return `count` rounded up to a number that can be halved down to `MIN_CELLS` to twice as many; at least that."""
+    count = max(count, MIN_CELLS)
+    step = 2 ** int(log2(count / MIN_CELLS))
     return int(np.ceil(count / step * (1 - 1e-12)) * step)

@@ -1,4 +1,10 @@
-"""Plans: the grid and padding that a scene needs, found by solutions on coarse grids, with expected error and cost."""
+"""Plans without a forecast: the grid and padding that a scene needs, and the bytes of its solve.
+
+Each kind of scene has its plan: a static contact by solutions on coarse grids (`_plan_static`), a measured flat on its
+own points (`_plan_of_flat`), films and adhesion in files of their own. A scene that changes in time or rolls is planned
+as the static contact that needs the finest cells, on the width of the widest one. Error and seconds follow elsewhere
+(``forecast.py``).
+"""
 
 from dataclasses import replace
 from math import inf, isclose, prod
@@ -11,8 +17,8 @@ from contactstudy.domain.device import ONE_THREAD, Device, available_bytes, chec
 from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.domain.validation import InvalidInput, Metres, checked_errors, readable, valid
-from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.grid_requirements import (
+    CELL_FRACTION,
     flat_grid,
     grid_requirements,
     measured_length_scales,
@@ -82,8 +88,8 @@ def plan_grid(
         planned = plan_of_adhesion(scene, error or DEFAULT_ERROR, period, grid, padding, transient)
     elif transient is None:
         planned = _plan_static(scene, error, period, grid, padding, device)
-    else:
-        error = (1.0 if scene.rolls else GRID.cell_fraction) * (error or DEFAULT_ERROR)
+    else:  # one that rolls steadily has no error by steps in time
+        error = (1.0 if scene.rolls else CELL_FRACTION) * (error or DEFAULT_ERROR)
         width, length = transient.width, period or transient.length or None
         planned = _plan_static(transient.narrow, error, length, grid, padding, ONE_THREAD, width)
         planned = replace(planned, scene=scene, first_grids=None)
@@ -99,7 +105,11 @@ def _plan_of_flat(
     padding: Padding | Paddings | None,
     device: Device,
 ) -> Plan:
-    """Plan a flat with a measured surface: its points are the cells and both axes periodic, if no others are given."""
+    """Return the plan of a flat: the points of its measured surface as cells, and both axes periodic.
+
+    The surface has the length `scales`. Grid and padding are others if they are given. The requested `error` is not
+    predicted, which a warning says.
+    """
     if period is not None:
         period = valid("plan.period", period, Metres)
     warnings = []
@@ -132,7 +142,11 @@ def _plan_static(
     device: Device,
     width: float = 0.0,
 ) -> Plan:
-    """Plan a scene that neither changes in time nor rolls, on a grid of at least this `width` [m]."""
+    """Return the plan of a scene that neither changes in time nor rolls, on a grid of at least this `width` [m].
+
+    A measured surface is solved on its own points if no `error` is requested; other scenes are refined to it, the
+    default error if it is None.
+    """
     if grid is None:
         scene, requirements = with_requirements(scene, padding, period)
     else:
@@ -172,7 +186,7 @@ def _plan_static(
 
 
 def _with_states(planned: Plan, transient: "TransientRequirements") -> Plan:
-    """Return a plan with the bytes of what a contact keeps in time, and what is said of it."""
+    """Return a plan with the bytes of states that a contact keeps in time, and warnings of a grid too small for it."""
     grid, plastic = planned.grid, transient.plastic
     bytes_of_states = 8 * transient.fields * prod(grid.cells)
     warnings = (*planned.warnings, *transient.warnings)

@@ -1,4 +1,7 @@
-"""A plan: grid and padding for a scene, with expected error and cost, and the time and memory that a solve takes."""
+"""A plan: grid and padding for a scene, with expected error and cost, and the time and memory that a solve takes.
+
+How grid and error are found is not said here, but in `plan.py` and in ``forecast.py`` above this folder.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -21,15 +24,17 @@ from contactstudy.scene.shapes.roller import Cylinder
 from contactstudy.scene.solids.bodies import HalfSpace
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
-# Largest number of cells along an axis of the solve that is timed on a device, its tolerance, and the seconds for which
-# quick solves are repeated, since the first fills caches and other processes interrupt.
-LARGE_SAMPLE, TOLERANCE, MIN_TOTAL_SECONDS = 512, 1e-8, 0.02
-# Fraction of the machine's free memory that a solve may take.
+# Largest number of cells along an axis of the solve that is timed on a device, which then takes tenths of a second, and
+# its tolerance, the default one.
+LARGE_SAMPLE, TOLERANCE = 512, 1e-8
+# Wall time [s] for which quick solves are repeated at least, since other processes interrupt them.
+MIN_TOTAL_SECONDS = 0.02
+# Fraction of the machine's free memory that a solve may take; the rest is for its estimate and for other programs.
 MEMORY_FRACTION = 0.8
 
 
 def speedup(grid: Grid, padding: Padding | Paddings, device: Device) -> float:
-    """Measure how many times faster a solve is on `device` than on one thread; 1 for one thread.
+    """Return how many times faster a solve is on `device` than on one thread, as measured; 1 for one thread.
 
     A smooth line contact of the half-width 1, on a grid 3.4 half-widths wide, is solved on as many cells, at most 512
     along either axis.
@@ -44,7 +49,7 @@ def speedup(grid: Grid, padding: Padding | Paddings, device: Device) -> float:
 
 
 def _seconds(problem: Problem, device: Device) -> float:
-    """Return the wall time [s] of a solve on a device: the least of several, after a first one that fills caches."""
+    """Return the wall time [s] of a solve on a device: the least of three or more, after one that fills caches."""
     durations = list[float]()
     while len(durations) < 4 or sum(durations[1:]) < MIN_TOTAL_SECONDS:
         start = perf_counter()
@@ -54,7 +59,7 @@ def _seconds(problem: Problem, device: Device) -> float:
 
 
 def memory(grid: Grid, padding: Padding | Paddings) -> int:
-    """Return the bytes that a solve holds at most."""
+    """Return the bytes that a solve on `grid` holds at most, the padded transforms included."""
     return solve_bytes(grid, prod(padded_cells(grid, across_and_along(padding))))
 
 
@@ -78,7 +83,8 @@ class Plan(InNotebook):
     seconds
         Seconds of processor time (with a device, of wall time) of a solve to the error: its plan, all grids and steps,
         their estimates, and the stress that a steady scene names, from solves on coarser grids just now. Imports,
-        compilation, tables of a material, files and plots are not counted. Infinite where no coarser grid can be solved.
+        compilation, tables of a material, files and plots are not counted. Infinite where no coarser grid can be
+        solved.
     bytes
         Bytes that a solve holds at most.
     reasons
@@ -116,7 +122,10 @@ def plan_on(
     warnings: Sequence[str],
     **further: Any,
 ) -> Plan:
-    """Return the plan of a scene on a `grid`, with further fields of :class:`Plan` by name."""
+    """Return the plan of a scene on a `grid`, with the padding of its requirements, and further fields by name.
+
+    Its `reasons` follow those of the requirements.
+    """
     padding, of_grid = requirements.padding(), requirements.reasons(grid)
     return Plan(
         scene=scene, grid=grid, padding=padding, bytes=memory(grid, padding),

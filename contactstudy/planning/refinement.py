@@ -1,4 +1,10 @@
-"""Solve a static scene to a requested error: coarse grids first, each the start of the next and part of its bound."""
+"""Solve a static scene to a requested error: coarse grids first, each the start of the next and part of its bound.
+
+Errors are bounds of the relative L1 error of the pressure. The discretisation error, that of the cells, is met by finer
+grids; other causes are not (`OTHER_CAUSES`). The contributions of both axes to it say which axis to refine. Effects of
+constants that are stated are those on the cells that seven contacts take, summed over all of their grids: smooth, wavy,
+rough, crowned, coated, with sharp ends and with a hardness, solved to 0.2 to 8 %.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -17,8 +23,7 @@ from contactstudy.domain.device import Cpu, Device, cache_of, caching
 from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.grid import Array, Grid, Padding, Paddings, cells_text, on_cells
 from contactstudy.domain.imports import loaded
-from contactstudy.planning.grid_requirements import CONSTANTS as GRID
-from contactstudy.planning.grid_requirements import GridRequirements, halvable_count, with_requirements
+from contactstudy.planning.grid_requirements import WIDTH_FACTOR, GridRequirements, halvable_count, with_requirements
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
@@ -35,7 +40,7 @@ class BoundedSolution:
     estimate
         Bounds by cause.
     seconds
-        Seconds of processor time that it took in its refinement.
+        Seconds of processor time of its solve and its bounds.
     """
 
     solution: Solution
@@ -49,12 +54,12 @@ class BoundedSolution:
 
     @property
     def bound(self) -> float:
-        """Bound of the relative L1 error of the pressure, as calibrated: it is not proven."""
+        """Bound of the relative L1 error of the pressure, which is calibrated and not proven."""
         return self.estimate.l1.total
 
     @property
     def discretisation_error(self) -> float:
-        """Discretisation error, as part of the bound."""
+        """Part of the bound by the cells; infinite where it is not known."""
         part = self.estimate.l1.discretisation
         return inf if part is None else part
 
@@ -66,9 +71,9 @@ class BoundedSolution:
         return fraction, 1 - fraction
 
 
-# Cells of a grid at most.
+# Largest number of cells of a grid, a solve of which takes seconds and some gigabytes.
 MOST_CELLS = 2_000_000
-# Causes of the error other than the cells, in words, and their remedies.
+# Causes of the error other than the cells, by their names in an estimate: what they do in words, and the remedy.
 OTHER_CAUSES = {
     "images": ("the images that the padding omits contribute", IMAGES_REMEDY),
     "range": ("the range of the attraction that the grid chooses contributes", "give Adhesion.range, or finer cells"),
@@ -76,67 +81,50 @@ OTHER_CAUSES = {
 }
 
 
-@dataclass(frozen=True)
-class RefinementConstants:
-    """Constants of the refinement.
-
-    Attributes
-    ----------
-    first_cells
-        Minimum number of cells of the first grid (across, along).
-    cells_per_wave
-        Minimum number of cells in the shortest wavelength.
-    max_first_cells, max_planned_cells
-        Maximum number of cells of the first grid, and of those that are solved for a plan.
-    order
-        Order of convergence that is expected: it is 1.5 in plane strain where all edges are smooth, and 1 at corners.
-    safety
-        Fraction of the requested error for which the next grid is chosen, whose bound is only expected.
-    expected
-        Fraction of the cells required on which a solve is expected to end: its bound falls faster than is planned for.
-    growth
-        Least and largest factor on the cells along an axis to the next grid, as the geometric mean of both axes.
-    growth_without_bound
-        Factor on the cells along each axis where the error has no bound.
-    out_of_reach
-        Ratio of the error expected on the finest grid to the requested one, above which that is out of reach.
-    max_cells_out_of_reach
-        Maximum number of cells of a grid where the error is out of reach.
-    widening
-        Factor on a width that is too small for the contact.
-    narrowing
-        Fraction of the width below which a narrower one is taken.
-    misfit_cost
-        Weight of the distance between a roller's end and the nearest cell edge, over the requested error, in the choice
-        of cells along.
-    max_lengthening
-        Largest ratio of the cells along to those required, for an end between two cells.
-    max_width_changes
-        Largest number of changes of the width to that of the contact.
-    """
-
-    first_cells: tuple[int, int] = (16, 12)
-    cells_per_wave: int = 2
-    max_first_cells: int = 2**14
-    max_planned_cells: int = 2**15
-    order: float = 1.25
-    safety: float = 0.9
-    expected: float = 0.7
-    growth: tuple[float, float] = (1.1, 2.6)
-    growth_without_bound: float = 2.0
-    out_of_reach: float = 1.5
-    max_cells_out_of_reach: int = 2**17
-    widening: float = 1.4
-    narrowing: float = 0.8
-    misfit_cost: float = 40.0
-    max_lengthening: float = 8.0
-    max_width_changes: int = 8
-
-
-CONSTANTS = RefinementConstants()
+# Minimum number of cells of the first grid (across, along): with half or twice as many, 0.4 to 1.6 times the cells.
+FIRST_CELLS = 16, 12
+# Minimum number of cells in the shortest wavelength, below which a wave is not resolved; with 4, up to 1.3 times the
+# cells.
+CELLS_IN_WAVE = 2
+# Maximum number of cells of the first grid, which an error of many per cent may not need, and of the grids that are
+# solved for a plan, each in some tenths of a second.
+MAX_FIRST_CELLS, MAX_PLANNED_CELLS = 2**14, 2**15
+# Order of convergence that is expected: it is 1.5 in plane strain where all edges are smooth, and 1 at corners. With
+# these, 0.8 to 1.7 and 0.4 to 1.2 times the cells.
+CONVERGENCE_ORDER = 1.25
+# Fraction of the requested error for which the next grid is chosen, whose bound is only expected: with 0.8 and 0.95,
+# 0.4 to 1.25 and 0.6 to 1 times the cells.
+AIMED_FRACTION = 0.9
+# Fraction of the cells required on which a solve is expected to end: its bound falls faster than is planned for.
+EXPECTED_FRACTION = 0.7
+# Least and largest factor on the cells along an axis to the next grid, as the geometric mean of both axes. With a
+# largest of 1.8, up to 1.4 times the cells; with 4, 0.6 to 1 times, but bounds on cells so much coarser tell less of
+# them.
+GROWTH = 1.1, 2.6
+# Factor on the cells along each axis where the error has no bound, and so does not tell how many are needed.
+GROWTH_WITHOUT_BOUND = 2.0
+# Ratio of the error expected on the finest grid to the requested one, above which the latter is out of reach: an
+# expected error is known to about that factor.
+OUT_OF_REACH = 1.5
+# Maximum number of cells of a grid where the error is out of reach: it takes a second, and says how far off it is.
+MAX_CELLS_OUT_OF_REACH = 2**17
+# Factor on a width that is too small for the contact; heights may widen it to any multiple, in several steps.
+WIDENING = 1.4
+# Fraction of the width of the grid below which a narrower one is taken, since empty cells cost as much as others: with
+# 0.6, up to 2.2 times the cells.
+NARROWING = 0.8
+# Weight of the distance between a roller's end and the nearest cell edge, relative to the length and over the requested
+# error, in the choice of cells along: a misfit of a fortieth of the error counts as much as twice the cells, since the
+# error by it is some times the misfit.
+MISFIT_COST = 40.0
+# Largest ratio of the cells along to those required, for a count with which an end lies between two cells.
+MAX_LENGTHENING = 8.0
+# Largest number of changes of the width to that of the contact, of which two or three are usual.
+MAX_WIDTH_CHANGES = 8
+# Notes on a start that is given, with its cells in words.
 ON_START = "The refinement of the grid began with solve.start, on {}."
 NOT_ON_START = "The grid of solve.start is not one of this scene or has few cells: it served the coarsest grid alone."
-# Relative difference of extents that is rounding.
+# Relative difference of extents that are the same: files have them with seven digits or more.
 SAME_EXTENT = 1e-6
 
 
@@ -200,16 +188,16 @@ def solve_to(
 
 @dataclass(frozen=True, eq=False)
 class FirstGrids:
-    """The grids with which the solve of a static contact begins, and that on which it is expected to end.
+    """The first grids of the solve of a static contact, and those that are expected to follow.
 
     Attributes
     ----------
     levels
-        Solutions with their bounds on each of them.
+        Solutions with their bounds on the first grids.
     required
         Number of cells whose bound is expected to meet the error.
     between
-        Further grids that the solve is expected to take, the last one `grid`.
+        Grids that are expected to follow, the last one that on which the solve ends; empty if the last level does.
     """
 
     levels: tuple[BoundedSolution, ...]
@@ -223,12 +211,16 @@ class FirstGrids:
 
 
 def first_grids(scene: Scene, requirements: GridRequirements, error: float, period: float | None) -> FirstGrids:
-    """Solve a scene on the first grids of its refinement to a relative L1 error, of some 30 000 cells at most."""
+    """Solve a scene on the first grids of its refinement to a relative L1 error, of `MAX_PLANNED_CELLS` cells at most.
+
+    The length of the grid is the `period` [m], chosen if that is None.
+    """
     refinement = GridRefinement(scene, requirements, error, period)
     before, levels = 0, list[BoundedSolution]()
-    while before < loaded():  # what is imported, compiled or tabulated is not counted
+    # once more if something was imported, compiled or tabulated, which is not to count in the seconds
+    while before < loaded():
         before = loaded()
-        levels = refinement.solve_levels(CONSTANTS.max_planned_cells)
+        levels = refinement.solve_levels(MAX_PLANNED_CELLS)
     last, between = levels[-1], list[Grid]()
     required = float(prod(last.grid.cells))
     if not refinement.meets_error(last):
@@ -291,7 +283,7 @@ class GridRefinement:
                 if coarse is None:
                     coarse = self._solve_on(coarsened(grid, 2), start)
                 solution = self._solve_on(grid, coarse.pressure)
-                width = self._width(solution) if widths < CONSTANTS.max_width_changes else None
+                width = self._width(solution) if widths < MAX_WIDTH_CHANGES else None
                 if width is not None:
                     widths += 1
                     levels, coarse, start, grid = [], None, None, self._with_width(grid, width)
@@ -312,9 +304,12 @@ class GridRefinement:
         return solve_contact(problem, self.options, begin, self.device)
 
     def first_grid(self, extent: tuple[float, float]) -> Grid:
-        """Return the first grid: coarse, but fine enough to resolve the surface, where that takes few cells."""
+        """Return the first grid on an `extent` (width, length) [m]: as coarse as resolves the surface.
+
+        It has at most about `MAX_FIRST_CELLS` cells, even if these do not resolve it.
+        """
         across, along = self.min_cells(extent)
-        shrink = max(1.0, across * along / CONSTANTS.max_first_cells) ** (0.5 if along > 1 else 1.0)
+        shrink = max(1.0, across * along / MAX_FIRST_CELLS) ** (0.5 if along > 1 else 1.0)
         return self.grid_of_fast_lengths(across / shrink, along / shrink, extent)
 
     def grid_of_start(self, given: Grid) -> Grid | None:
@@ -333,16 +328,19 @@ class GridRefinement:
         return self.grid_of_fast_lengths(*given.cells, (given.extent[0], first.length))
 
     def min_cells(self, extent: tuple[float, float]) -> tuple[int, int]:
-        """Return the minimum number of cells (across, along) that resolve the surface."""
-        axes = zip(CONSTANTS.first_cells, extent, self.requirements.shortest_wavelengths, strict=True)
-        across, along = (max(least, CONSTANTS.cells_per_wave * length / wave) for least, length, wave in axes)
+        """Return the minimum number of cells (across, along) that resolve the surface on an `extent` [m]."""
+        axes = zip(FIRST_CELLS, extent, self.requirements.shortest_wavelengths, strict=True)
+        across, along = (max(least, CELLS_IN_WAVE * length / wave) for least, length, wave in axes)
         if self.requirements.roller_length:
             along = max(along, extent[1] / self.requirements.hertz.half_width)
-        across = max(across, min(extent[0] / self.requirements.stress_cell, CONSTANTS.max_first_cells))
+        across = max(across, min(extent[0] / self.requirements.stress_cell, MAX_FIRST_CELLS))
         return ceil(across), ceil(along) if self.requirements.varies else 1
 
     def grid_of_fast_lengths(self, across: float, along: float, extent: tuple[float, float]) -> Grid:
-        """Return a grid of at least these cells, in numbers of which an FFT is fast, unless a roller ends on it."""
+        """Return a grid on an `extent` [m] of at least these cells, in numbers of which an FFT is fast.
+
+        Where a roller ends within the grid, the number along is one whose cell edges lie near its ends.
+        """
         nx = 2 * fft.next_fast_len(ceil(across / 2), real=True)
         if along <= 1:
             return Grid((nx, 1), extent)
@@ -351,23 +349,23 @@ class GridRefinement:
         if not 0 < roller < extent[1] * (1 - 1e-9):
             return Grid((nx, ny), extent)
         fraction = roller / extent[1]
-        longest = ceil(max(CONSTANTS.growth_without_bound * along, along + 2 / (1 - fraction)))
+        longest = ceil(max(GROWTH_WITHOUT_BOUND * along, along + 2 / (1 - fraction)))
         ny = min(
-            range(ceil(along), min(longest, ceil(CONSTANTS.max_lengthening * along)) + 1),
-            key=lambda n: n * (1 + CONSTANTS.misfit_cost * _end_misfit(n, fraction) / self.error),
+            range(ceil(along), min(longest, ceil(MAX_LENGTHENING * along)) + 1),
+            key=lambda n: n * (1 + MISFIT_COST * _end_misfit(n, fraction) / self.error),
         )
         return Grid((nx, ny), extent)
 
     def _width(self, solution: Solution) -> float | None:
-        """Return the width that suits the contact, if that of the grid does not."""
+        """Return the width [m] that suits the contact if that of the grid does not, else None."""
         width, widest = solution.problem.grid.extent[0], self.requirements.known_width
         if solution.pressure[[0, -1]].any() and width < widest:
-            return self.requirements.width(CONSTANTS.widening * width)
+            return self.requirements.width(WIDENING * width)
         # random heights depend on the extent
         if any(getattr(shape, "extent", ()) is None for shape in self.scene.shapes):
             return None
-        needed = GRID.width_factor * contact_width(solution)
-        return needed if needed < CONSTANTS.narrowing * width else None
+        needed = WIDTH_FACTOR * contact_width(solution)
+        return needed if needed < NARROWING * width else None
 
     def _with_width(self, grid: Grid, width: float) -> Grid:
         """Return `grid` with another width, and cells no larger."""
@@ -382,21 +380,21 @@ class GridRefinement:
         last
             The last solution.
         after
-            Grid, finer than that, after which the next is expected; that of the last solution if None.
+            A finer grid that is not solved, after which the next is expected; the grid of the last solution if None.
         """
         present, most = prod((after or last.grid).cells), MOST_CELLS
         required = self.required_cells(last)
         axes = 1 if required[1] == 1 else 2
-        missed = (prod(required) / most) ** (CONSTANTS.order / axes)
-        if CONSTANTS.out_of_reach < missed and last.discretisation_error < inf:
-            most = min(CONSTANTS.max_cells_out_of_reach, most)
-        is_enough = self.meets_error(last) if after is None else present >= CONSTANTS.expected * prod(required)
+        missed = (prod(required) / most) ** (CONVERGENCE_ORDER / axes)
+        if missed > OUT_OF_REACH and last.discretisation_error < inf:
+            most = min(MAX_CELLS_OUT_OF_REACH, most)
+        is_enough = self.meets_error(last) if after is None else present >= EXPECTED_FRACTION * prod(required)
         # no width of a surface that is resolved holds the contact
         is_resolved = present >= prod(self.min_cells(last.grid.extent))
         is_cut_off = is_resolved and last.solution.status is Status.CONTACT_AT_EDGE
         if is_enough or is_cut_off or present >= most:
             return None
-        least, largest = (present * growth**axes for growth in CONSTANTS.growth)
+        least, largest = (present * growth**axes for growth in GROWTH)
         cells = min(max(prod(required), least), largest, most)
         while True:  # counts are rounded up
             factor = (cells / prod(required)) ** (1 / axes)
@@ -404,14 +402,17 @@ class GridRefinement:
             grid = self.grid_of_fast_lengths(across, along, last.grid.extent)
             if prod(grid.cells) <= MOST_CELLS:
                 return grid if prod(grid.cells) > present else None
-            cells *= CONSTANTS.safety
+            cells *= AIMED_FRACTION
 
     def meets_error(self, level: BoundedSolution) -> bool:
-        """Return whether the discretisation error is no larger than allowed."""
+        """Return whether the discretisation error of a `level` is no larger than allowed."""
         return level.discretisation_error <= self._allowed_error(level)
 
     def _allowed_error(self, level: BoundedSolution) -> float:
-        """Return the allowed discretisation error: the requested one minus the other causes, at least half of these."""
+        """Return the allowed discretisation error of a `level`: the requested one less other causes.
+
+        It is at least half of the other causes, since finer cells would then change the bound little.
+        """
         other_causes = level.bound - level.discretisation_error if level.bound < inf else 0.0
         return max(self.error - other_causes, 0.5 * other_causes)
 
@@ -423,18 +424,16 @@ class GridRefinement:
         nx, ny = last.grid.cells
         across, along = self.min_cells(last.grid.extent)
         error = last.discretisation_error
-        factor = error / (CONSTANTS.safety * self._allowed_error(last))
+        factor = error / (AIMED_FRACTION * self._allowed_error(last))
         axes = 1 if ny == 1 else 2
         grown = [
-            CONSTANTS.growth_without_bound
-            if error == inf
-            else max((axes * factor * fraction) ** (1 / CONSTANTS.order), 0.5)
+            GROWTH_WITHOUT_BOUND if error == inf else max((axes * factor * fraction) ** (1 / CONVERGENCE_ORDER), 0.5)
             for fraction in last.fractions
         ]
         return max(nx * grown[0], across), max(ny * grown[1], along) if ny > 1 else 1
 
     def reason_not_met(self, last: BoundedSolution) -> str:
-        """Return why the bound on the last grid is above the error."""
+        """Return why the bound of the `last` level is above the error."""
         if last.bound == inf:
             return last.estimate.l1.reason or next(iter(last.estimate.warnings), "")
         for cause, fraction in last.estimate.l1.by_cause.items():
@@ -452,13 +451,16 @@ def contact_width(solution: Solution) -> float:
 
 
 def _end_misfit(count: int, fraction: float) -> float:
-    """Return the distance from a roller's end to the nearest border of cells, over its length."""
+    """Return the distance from a roller's end to the nearest border of cells, over its length.
+
+    The grid has `count` cells along, of which the roller covers a `fraction` in the middle.
+    """
     rows = count * fraction
     nearest = round((rows - count % 2) / 2) * 2 + count % 2
     return abs(nearest - rows) / 2 / rows
 
 
 def with_width(grid: Grid, width: float) -> Grid:
-    """Return a grid with cells of the same size over the width `width` [m]."""
+    """Return `grid` over another `width` [m], with cells of the same size, or a little smaller."""
     across = halvable_count(grid.cells[0] * width / grid.extent[0])
     return Grid((across, grid.cells[1]), (width, grid.length))

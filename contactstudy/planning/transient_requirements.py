@@ -1,4 +1,9 @@
-"""Requirements of scenes that change in time, roll, yield or adhere: the width, the load and the cells of their grid."""
+"""Requirements of scenes that change in time, roll, yield or adhere: the width, the load and the cells of their grid.
+
+Contacts grow as bodies creep, wear and yield, and so the width of the grid is that of the widest contact to expect, and
+its cells are those of the narrowest one. The width of the contact is that of Hertz's line contact of the same load and
+radius, with the modulus that applies; widths of grids are `WIDTH_FACTOR` times those of contacts.
+"""
 
 from dataclasses import dataclass, replace
 from math import inf, log, pi, prod, sqrt
@@ -10,8 +15,7 @@ from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.validation import readable
 from contactstudy.elasticity.eigenstrain.plane_strain_operator import Volume
 from contactstudy.evolution.states.plastic import layers
-from contactstudy.planning.grid_requirements import CONSTANTS as GRID
-from contactstudy.planning.grid_requirements import GridRequirements, grid_requirements, halvable_count
+from contactstudy.planning.grid_requirements import WIDTH_FACTOR, GridRequirements, grid_requirements, halvable_count
 from contactstudy.planning.planned import Plan, plan_on
 from contactstudy.planning.refinement import first_grids, with_width
 from contactstudy.problem.constraint import tabor_length, zone_length
@@ -22,55 +26,31 @@ from contactstudy.scene.scene import AnyLoad, Scene
 from contactstudy.scene.solids.bodies import Body, contact_modulus, instantaneous, yields
 from contactstudy.scene.solids.inelastic import creeping, relaxed
 
-
-@dataclass(frozen=True)
-class TransientConstants:
-    """Constants of plans of contacts that yield, roll or change.
-
-    Attributes
-    ----------
-    plastic_width, plastic_widening, plastic_depth
-        Plastic zone below a rigid cylinder pressed with Hertz's peak pressure r times the yield stress, r from 2 to 8,
-        with little or no hardening. Over Hertz's half-width, it ends at `plastic_width` + `plastic_widening` r^2 across,
-        and at the depth `plastic_depth` r - 1. Fitted to computed zones.
-    zone_margin
-        Planned width of the zone over that.
-    strain_fields, strain_fields_along
-        Fields of plastic strain that a step holds in plane strain, and where strain varies along the length: measured on
-        rough cylinders of 48^2 to 128^2 cells.
-    rolling_widening
-        Factor on the width of a contact that rolls.
-    rolled_widening, rolled_operators
-        Factors on the extent of the plastic zone and on the bytes of its operators in passes. Passes over Hertz's peak
-        pressure of 3 and 4 times the yield stress end at the edge of a grid of 3.6 and 4.4 half-widths, and not of 3.9
-        and 5.4; they hold 3.7 to 7.8 times the operators in 16 runs.
-    fields
-        Fields that an integration in time holds beside those of creep.
-    rolling_fields
-        Fields that the iteration of a steadily rolling contact holds.
-    scar
-        Widening of a contact that wears under partial slip, over the square of ``Q / (mu P)``: 0.6 to 0.8 up to 0.97.
-    min_load_fraction
-        Loads below this fraction of the largest are not planned for: the cell size goes with the square root of the
-        load.
-    """
-
-    plastic_width: float = 0.62
-    plastic_widening: float = 0.07
-    plastic_depth: float = 1.2
-    zone_margin: float = 1.25
-    strain_fields: int = 24
-    strain_fields_along: int = 36
-    rolling_widening: float = 1.5
-    rolled_widening: float = 1.25
-    rolled_operators: int = 5
-    fields: int = 8
-    rolling_fields: int = 32
-    scar: float = 0.8
-    min_load_fraction: float = 0.1
-
-
-CONSTANTS = TransientConstants()
+# Plastic zone below a rigid cylinder pressed with Hertz's peak pressure r times the yield stress, r from 2 to 8, with
+# little or no hardening. Over Hertz's half-width, it ends at PLASTIC_WIDTH + PLASTIC_WIDENING r^2 across, and at the
+# depth PLASTIC_DEPTH r - 1. Fitted to computed zones.
+PLASTIC_WIDTH, PLASTIC_WIDENING, PLASTIC_DEPTH = 0.62, 0.07, 1.2
+# Planned width of the zone over that, as a margin for what the fit leaves out: other shapes, two bodies, hardening.
+ZONE_MARGIN = 1.25
+# Number of tensor fields of plastic strain that a step holds, in plane strain and where strain varies along the length:
+# measured on rough cylinders of 48^2 to 128^2 cells.
+STRAIN_FIELDS, STRAIN_FIELDS_ALONG = 24, 36
+# Factor on the width of a contact that rolls steadily on a body that creeps, whose displacement behind it is not zero.
+ROLLING_WIDENING = 1.5
+# Factors on the extent of the plastic zone and on the bytes of its operators in passes. Passes over Hertz's peak
+# pressure of 3 and 4 times the yield stress end at the edge of a grid of 3.6 and 4.4 half-widths, and not of 3.9 and
+# 5.4; they hold 3.7 to 7.8 times the operators in 16 runs.
+ROLLED_WIDENING, ROLLED_OPERATORS = 1.25, 5
+# Number of fields (x, y) that an integration in time holds beside those of creep: pressures, gaps and worn depths of two
+# steps and of their half steps.
+INTEGRATION_FIELDS = 8
+# Number of fields (x, y) that the iteration of a steadily rolling contact holds, with those of its mixed iterates.
+ROLLING_FIELDS = 32
+# Widening of a contact that wears under partial slip, over the square of ``Q / (mu P)``: 0.6 to 0.8 up to 0.97.
+SCAR_WIDENING = 0.8
+# Loads below this fraction of the largest are not planned for: the cell size goes with the square root of the load, so
+# that the grid would have ten times the cells of the largest load and more.
+MIN_LOAD_FRACTION = 0.1
 
 
 @dataclass(frozen=True)
@@ -86,7 +66,7 @@ class PlasticZone:
     bodies
         Number of bodies that yield.
     rolls
-        Whether the contact passes over it, so that strain is kept over all of the grid that moves with the contact.
+        True if the contact passes over it, so that strain is kept over all of the grid that moves with the contact.
     """
 
     ratio: float
@@ -97,15 +77,15 @@ class PlasticZone:
     @property
     def half_extent(self) -> float:
         """Distance [m] across from the axis to the end of the plastic zone, behind a contact that rolls."""
-        half_widths = CONSTANTS.plastic_width + CONSTANTS.plastic_widening * self.ratio**2
-        widening = CONSTANTS.rolled_widening if self.rolls else 1.0
-        return self.half_width * CONSTANTS.zone_margin * half_widths * widening
+        half_widths = PLASTIC_WIDTH + PLASTIC_WIDENING * self.ratio**2
+        widening = ROLLED_WIDENING if self.rolls else 1.0
+        return self.half_width * ZONE_MARGIN * half_widths * widening
 
     def volume(self, grid: Grid) -> Volume:
-        """Return the cells of `grid` expected to yield, of a contact that rolls all down to their depth."""
+        """Return the volume of cells below `grid` expected to yield; of a contact that rolls over the whole width."""
         middle = grid.cells[0] // 2
         across = middle if self.rolls else min(round(self.half_extent / grid.cell_size[0]), middle)
-        depth = max(CONSTANTS.plastic_depth * self.ratio - 1, 1.0) * self.half_width
+        depth = max(PLASTIC_DEPTH * self.ratio - 1, 1.0) * self.half_width
         edges = layers(grid, self.half_width, depth)
         return Volume(grid, middle - across, min(middle + across, grid.cells[0]), edges)
 
@@ -115,10 +95,10 @@ class PlasticZone:
         count, across, along = volume.shape
         if along == 1:
             operators = (across + 1) * (3 * count) ** 2
-            numbers = operators + CONSTANTS.strain_fields * 3 * prod(volume.shape)
+            numbers = operators + STRAIN_FIELDS * 3 * prod(volume.shape)
         else:
-            numbers = CONSTANTS.strain_fields_along * 5 * prod(volume.shape)
-        return 8 * self.bodies * numbers * (CONSTANTS.rolled_operators if self.rolls else 1)
+            numbers = STRAIN_FIELDS_ALONG * 5 * prod(volume.shape)
+        return 8 * self.bodies * numbers * (ROLLED_OPERATORS if self.rolls else 1)
 
 
 def expected_plastic_zone(scene: Scene) -> PlasticZone | None:
@@ -140,22 +120,22 @@ class TransientRequirements:
     Attributes
     ----------
     narrow
-        Scene of the smallest load that is planned for (of the largest where it rolls), before creep and wear, which
-        needs the finest cells.
+        Static scene of the smallest load that is planned for, or of the largest where it rolls or yields, before creep
+        and wear. Its contact is the narrowest, and needs the finest cells.
     width
-        Width [m] that holds the widest contact.
+        Width [m] of a grid that holds the widest contact.
     least_width
         Width [m] below which a grid that is given may be too narrow for it.
     relaxed
         Bodies once they have crept.
     fields
-        Fields held between solves, in addition to one solve.
+        Number of fields (x, y) held between solves, in addition to those of one solve.
     warnings
         A sentence for each fault.
     plastic
         Expected plastic zone; None without one.
     length
-        Length [m] that holds the longest contact of a ball; 0 of a line contact.
+        Length [m] of a grid that holds the longest contact of a ball; 0 for a line contact.
     """
 
     narrow: Scene
@@ -171,12 +151,16 @@ class TransientRequirements:
 def transient_requirements(scene: Scene, end: float | None = None) -> TransientRequirements:
     """Return the requirements of a scene in time.
 
+    The half-width of the contact grows in turn by creep, by the plastic zone, by wear, and by heights under the smallest
+    load. Wear takes ``2 (a^3 - a0^3) / (3 R)`` from the section of a cylinder of the radius R as the half-width grows
+    from a0 to a.
+
     Parameters
     ----------
     scene
         The scene, which changes in time or rolls.
     end
-        Last time [s]; None ends where the load does.
+        Last time [s]; None ends where the load and the other histories do.
     """
     # forces in time do not change the grid, and belong to loads of other times
     friction = None if getattr(scene.friction, "times", None) else scene.friction
@@ -191,25 +175,22 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
     bodies = relaxed(scene.solids, duration)
     modulus = contact_modulus(bodies, hertz.half_width if hertz else None)
     half_width = sqrt(4 * hertz.load_per_length * hertz.radius / (pi * modulus)) if hertz else 0.0
-    fields = (
-        2 * sum(len(body.creep.terms) + bool(body.creep.fluidity) for body in creeping(scene.solids)) + CONSTANTS.fields
-    )
+    crept = half_width / hertz.half_width if hertz else 1.0
+    # creep keeps a field for each of its terms, at both ends of a step
+    terms = sum(len(body.creep.terms) + bool(body.creep.fluidity) for body in creeping(scene.solids))
     plastic = expected_plastic_zone(scene)
     if scene.rolls:
         of_zone = plastic.half_extent if plastic else 0.0
         width, least_width = (
-            2 * max(GRID.width_factor * half_width * widening, of_zone)
-            for widening in (CONSTANTS.rolling_widening, 1.0)
+            2 * max(WIDTH_FACTOR * half_width * widening, of_zone) for widening in (ROLLING_WIDENING, 1.0)
         )
-        fields = CONSTANTS.rolling_fields
-        return TransientRequirements(elastic, width, least_width, bodies, fields, plastic=plastic)
+        return TransientRequirements(elastic, width, least_width, bodies, ROLLING_FIELDS, plastic=plastic)
     if plastic is not None:
-        half_width = max(half_width, plastic.half_extent / GRID.width_factor)
-    wear = scene.wear
-    wears_in_place = wear is not None and wear.coefficient and wear.circumference is None
-    ellipse, worn_volume = scene.ellipse, 0.0
-    crept = half_width / hertz.half_width if hertz else 1.0
-    if wear is not None and wears_in_place and hertz is not None and duration:
+        half_width = max(half_width, plastic.half_extent / WIDTH_FACTOR)
+        crept = half_width / hertz.half_width if hertz else 1.0
+    wear, ellipse, worn_volume = scene.wear, scene.ellipse, 0.0
+    # a body that wears around its circumference keeps its shape
+    if wear is not None and wear.coefficient and wear.circumference is None and hertz is not None and duration:
         slid = wear.speed * duration
         if isinstance(scene.friction, Fretting):
             widening, slid = _fretting(scene.friction, scene.load, hertz)
@@ -228,21 +209,22 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
             narrow = replace(elastic, load=LineLoad(least))
             if hertz is not None:  # no solve tells how heights, a crown or the hardness widen it
                 half_width *= grid_requirements(elastic).half_width / hertz.half_width
-    width, length = 2 * GRID.width_factor * half_width, 0.0
+    width, length = 2 * WIDTH_FACTOR * half_width, 0.0
     if ellipse is not None:
         assert scene.roller_length is not None
         semi_axis = ellipse.semi_axes[1]
         across, along = scene.curvatures
         longest = worn_semi_axis(crept * semi_axis, along, across, worn_volume)
         length = scene.roller_length * longest / semi_axis
+    fields = 2 * terms + INTEGRATION_FIELDS
     return TransientRequirements(narrow, width, width, bodies, fields, warnings, plastic, length)
 
 
 def worn_semi_axis(semi_axis: float, curvature: float, other: float, volume: float) -> float:
     """Return a semi-axis [m] of the contact of bodies curved both ways, after they have lost a `volume` [m3] to wear.
 
-    A cap of a paraboloid with the semi-axes a and b and the `curvature` along a has the volume
-    ``pi a^3 b curvature / 4``, and b is a times the root of ``curvature / other``.
+    A cap of a paraboloid with the semi-axes a and b and the `curvature` [1/m] along a has the volume
+    ``pi a^3 b curvature / 4``, and b is a times the root of ``curvature / other``, with the `other` curvature [1/m].
     """
     return float((semi_axis**4 + 4 * volume / (pi * curvature * sqrt(curvature / other))) ** 0.25)
 
@@ -252,8 +234,9 @@ def _fretting(friction: Fretting, load: AnyLoad, hertz: HertzLine) -> tuple[floa
 
     Under a force Q a middle of the half-width c, ``c^2 = a^2 (1 - Q / (mu P))``, then bears all of the load. The gap
     beside it, of the slope ``(x^2 - (a^2 + c^2) / 2) / (R (x^2 - c^2)^(1/2))``, is zero again at ``x = c cosh t`` with
-    ``sinh 2t / 2t = a^2 / c^2``, up to 1.74 half-widths of Hertz at ``Q / (mu P) = 0.97``. Under a displacement d from a
-    datum D ``Q / (mu P)`` is at most ``pi E* d / (2 ln(2 D / a) mu P)``, and from that on the contact may slide fully.
+    ``sinh 2t / 2t = a^2 / c^2``, up to 1.74 half-widths of Hertz at ``Q / (mu P) = 0.97``. Under a displacement d from
+    a datum D ``Q / (mu P)`` is at most ``pi E* d / (2 ln(2 D / a) mu P)``, and from that on the contact may slide
+    fully.
     """
     history = friction.history
     assert history is not None
@@ -268,19 +251,19 @@ def _fretting(friction: Fretting, load: AnyLoad, hertz: HertzLine) -> tuple[floa
     fractions = (abs(history.at(time)) / (limit * pressed) for time, pressed in loads.items() if pressed)
     fraction = max(fractions, default=0.0)
     if fraction < 1:
-        return 1 + CONSTANTS.scar * fraction**2, 0.0
+        return 1 + SCAR_WIDENING * fraction**2, 0.0
     half_cycles = np.maximum(1, 2 * np.diff(history.times) / (friction.period or inf))
     return 1.0, float(half_cycles @ np.abs(np.diff(history.values)))
 
 
 def _smallest_load(scene: Scene, end: float) -> tuple[float, tuple[str, ...]]:
-    """Return the smallest load that is planned for [N/m], and a warning where the load is smaller."""
+    """Return the smallest load [N/m] that is planned for up to the time `end` [s], and a warning of smaller ones."""
     load = scene.load
     if not isinstance(load, ChangingLoad):
         return scene.largest_load, ()
     times = (load.start, *load.breaks(end), *load.turning_points(end), max(end, load.start))
     smallest = min(load.at(time) for time in times if time <= times[-1])
-    least = max(smallest, CONSTANTS.min_load_fraction * load.largest)
+    least = max(smallest, MIN_LOAD_FRACTION * load.largest)
     if smallest >= least:
         return least, ()
     return least, (
@@ -289,11 +272,11 @@ def _smallest_load(scene: Scene, end: float) -> tuple[float, tuple[str, ...]]:
     )
 
 
-# Tabor parameter taken as the JKR limit: of a contact that does not vary along its length, where
-# the pull-off load is then within 1 %, and of one that does, within 4 %. Cost grows with its square.
+# Tabor parameter taken as the JKR limit where no range is given: of a contact that does not vary along its length, where
+# the pull-off load is then within 1 %, and of one that does, within 4 %. The cost grows with its square.
 TABOR_SMOOTH, TABOR_VARYING = 4.0, 2.0
-# Distance at which the attraction of a cylinder has fallen to 1e-6, over the square root of twice the product of its
-# radius and the range.
+# Distance from the edge at which the attraction of a cylinder has fallen to 1e-6, over the square root of twice the
+# product of its radius and the range: the root of -ln 1e-6, for a gap that grows with the square of the distance.
 DECAY_DISTANCE = 3.7
 
 
@@ -306,6 +289,10 @@ def plan_of_adhesion(
     transient: TransientRequirements | None = None,
 ) -> Plan:
     """Return the plan of a scene with adhesion.
+
+    It has `ZONE_CELLS` cells in the cohesive zone, the length beside the edge of the contact over which the attraction
+    acts at its full strength, and room for the attraction beside the contact. Other cells are those of the same scene
+    without adhesion.
 
     Parameters
     ----------
@@ -355,7 +342,10 @@ def plan_of_adhesion(
 
 
 def _grid(base: Grid, requirements: GridRequirements, cell: float, decay_distance: float) -> Grid:
-    """Return the grid `base` of the surfaces alone, wider by `decay_distance` [m], with cells of at most `cell` [m]."""
+    """Return the grid `base`, which suits the surfaces alone, made wider by `decay_distance` [m] on either side.
+
+    Its cells are at most `cell` [m] along both axes.
+    """
     width = requirements.width(base.extent[0] + 2 * decay_distance)
     across = halvable_count(width / min(base.cell_size[0], cell))
     along = base.cells[1]

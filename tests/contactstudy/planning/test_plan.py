@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.forecast import CONSTANTS
 from contactstudy.planning.plan import plan_grid
 from tests.conftest import LineContact
 from tests.contactstudy.lubrication import scenes as films
@@ -152,7 +151,7 @@ def test_seconds_grow_with_the_power_of_the_cells_that_coarse_solves_show(
 def test_a_plan_whose_solves_do_not_end_in_time_says_that_its_error_is_not_predicted(
     monkeypatch: pytest.MonkeyPatch, line_contact: LineContact
 ) -> None:
-    monkeypatch.setattr("contactstudy.forecast.CONSTANTS", replace(CONSTANTS, seconds=0.0))
+    monkeypatch.setattr("contactstudy.forecast.SOLVE_SECONDS", 0.0)
     planned = cs.plan(replace(line_contact.scene, wear=cs.Wear(1e-13, 1.0)), error=0.1, times=(0.0, 1.0))
     assert planned.error == inf
     assert "error is not predicted" in " ".join(planned.warnings)

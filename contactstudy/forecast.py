@@ -400,7 +400,7 @@ class _Request:
 
     def grid_of_film(self, last: Level) -> Grid:
         """Return the grid on which a film is expected to end: refined as that to a larger error was."""
-        from contactstudy.lubrication.steady_film import film_grid
+        from contactstudy.planning.film_plan import film_grid
 
         planned, found = self.planned.grid, last.grid
         first = film_grid(self.scene, last.answer.requested, found.length)

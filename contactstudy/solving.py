@@ -192,7 +192,7 @@ class _Request:
     def planned(self) -> tuple[Grid, Padding | Paddings]:
         """Return grid and padding: those that are given, else planned for the error."""
         if self.grid is not None and self.scene.lubrication is not None:
-            from contactstudy.lubrication.steady_film import check_varies_on
+            from contactstudy.planning.film_plan import check_varies_on
 
             check_varies_on(self.scene, self.grid)
         if self.grid is not None and self.padding is not None:
@@ -413,11 +413,11 @@ class _Request:
         """Solve a steady film."""
         from contactstudy.answers.lubricated_contact import film_answer
         from contactstudy.lubrication.pseudo_time import FilmControls
-        from contactstudy.lubrication.steady_film import (
+        from contactstudy.lubrication.steady_film import solve_lubricated
+        from contactstudy.planning.film_plan import (
             MAX_CELLS,
             MAX_REQUESTED_CELLS,
             finer_film_grid,
-            solve_lubricated,
             varies_along,
         )
 

@@ -7,7 +7,7 @@ from math import ceil, inf
 
 import numpy as np
 
-from contactstudy.domain.grid import Array, ExactPeriodicity, Grid, Padding, Paddings, across_and_along
+from contactstudy.domain.grid import Array, Grid, Padding, Paddings, across_and_along
 from contactstudy.domain.validation import InvalidInput, NotDefined, readable
 from contactstudy.elasticity.convolution import (
     Coefficients,
@@ -19,9 +19,8 @@ from contactstudy.lubrication.film_equation import Deflection, Film, FilmEquatio
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.pseudo_time import FilmIteration
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.loads import ConstantLoad, LineLoad
+from contactstudy.scene.loads import ConstantLoad
 from contactstudy.scene.scene import Scene
-from contactstudy.scene.shapes.roller import Cylinder
 from contactstudy.scene.shapes.shape import length_scales_of
 from contactstudy.scene.solids.bodies import creeps, hertz_line, instantaneous, response
 from contactstudy.scene.solids.inelastic import rolling_bodies
@@ -31,8 +30,6 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 OUTLET = 0.5
 # Tolerance of the dry contact that a film starts from.
 DRY_TOLERANCE = 1e-4
-# Cells across on which the plan solves the dry contact, and its largest width over Hertz's half-width.
-REACH_CELLS, MAX_REACH, LIGHTLY_LOADED = 256, 64, 1e-3
 # The central film is a mean to this fraction of the half-width from the middle of the contact, where the gap there is no
 # parabola up to the fraction SMOOTH of the film.
 MIDDLE, SMOOTH = 0.5, 1e-3
@@ -60,29 +57,6 @@ def lubricated_scales(scene: Scene, mean_speed: float | None = None) -> FilmScal
         hertz = hertz_line(hertz.load_per_length, hertz.radius, bodies)
     speed = scene.lubrication.largest_speed if mean_speed is None else mean_speed
     return FilmScales(hertz, scene.lubrication, speed)
-
-
-def dry_reach(scene: Scene, period: float, cells_along: int) -> float:
-    """Return how far the dry contact reaches from x = 0, over Hertz's half-width and at least that.
-
-    Asperities further out that carry less than the fraction ``LIGHTLY_LOADED`` of the load do not count.
-    """
-    if scene.hertz is None or all(isinstance(shape, Cylinder) for shape in scene.shapes):
-        return 1.0
-    load = scene.load if isinstance(scene.load, ConstantLoad) else LineLoad(scene.largest_load)
-    solids, a = instantaneous(scene.solids), scene.hertz.half_width
-    dry = replace(scene, load=load, solids=solids, lubrication=None, wear=None, outputs=())
-    reach, width = 1.0, 2
-    while width < MAX_REACH and width < 2 * MIN_WIDTH * reach:
-        width *= 2
-        grid = Grid((REACH_CELLS, cells_along), (width * a, period))
-        problem = dry.problem(grid, ExactPeriodicity())
-        pressure = solve_contact(problem, SolveOptions(tolerance=DRY_TOLERANCE)).pressure
-        load = pressure.sum(axis=1)
-        outside = np.cumsum(load + load[::-1])[: REACH_CELLS // 2]
-        light = np.count_nonzero(outside < LIGHTLY_LOADED * load.sum())
-        reach = max(1.0, float(grid.x[-1 - light]) / a)
-    return reach
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,7 +33,7 @@ from contactstudy.lubrication.film_equation import Film, SqueezeTerm
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.posed_film import PosedFilm, lubricated_scales, pose
 from contactstudy.lubrication.pseudo_time import FilmControls, FilmIteration, iterate
-from contactstudy.lubrication.steady_film import ROUGH_CHANGE, continued, film_solution
+from contactstudy.lubrication.steady_film import continued, film_solution
 from contactstudy.scene.loads import ChangingLoad
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Counts, Status
@@ -348,7 +348,6 @@ class _FilmStepper(MarchState):
             tolerance=self.tolerance,
             max_iterations=MAX_ITERATIONS,
             time_step=PSEUDO_TIME_STEP,
-            viscosity_change=ROUGH_CHANGE,
         )
         squeeze = self._squeeze_term(step, [instant.content for instant in self.past])
         last = iterate(

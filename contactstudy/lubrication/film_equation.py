@@ -274,15 +274,24 @@ class FilmEquation:
         fixed[:INLET_CELLS] = fixed[-OUTLET_CELLS:] = True
         return fixed
 
-    def film_of(self, pressure: Array, void: Array, separation: float, asperity_pressure: Array | None = None) -> Film:
+    def film_of(
+        self,
+        pressure: Array,
+        void: Array,
+        separation: float,
+        asperity_pressure: Array | None = None,
+        least: float = -inf,
+    ) -> Film:
         """Return the film with the thickness that follows from both pressures and the separation.
 
-        The asperity pressure (x, y) is zero by default.
+        The asperity pressure (x, y) is zero by default. The separation is raised where the film would be thinner than
+        the thickness ``least``.
         """
         if asperity_pressure is None:
             asperity_pressure = np.zeros_like(pressure)
         thickness = separation + self.gap + self.deflection(pressure + asperity_pressure)
-        return Film(pressure, void, separation, thickness, asperity_pressure)
+        rise = max(0.0, least - float(thickness.min()))
+        return Film(pressure, void, separation + rise, thickness + rise, asperity_pressure)
 
     def content(self, film: Film) -> Array:
         """Return the content (x, y) of the cells, ``(1 - theta) rho H``."""

@@ -50,7 +50,7 @@ def thermal_shear(
 
     The film is thinner by the factor ``reduction``.
     """
-    scales, mean_speed = sheared.scales, sheared.mean_speed
+    scales = sheared.scales
     motion = scales.lubrication
     heat = motion.thermal
     assert heat is not None
@@ -58,7 +58,7 @@ def thermal_shear(
         moving_source(
             grid,
             body,
-            mean_speed * (1 + side * motion.slide_roll_ratio / 2),
+            scales.mean_speed * (1 + side * motion.slide_roll_ratio / 2),
             solid.thickness if isinstance(solid, Layered) else 0.0,
         )
         for side, body, solid in zip((1, -1), heat.bodies, solids, strict=True)

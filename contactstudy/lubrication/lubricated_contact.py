@@ -94,8 +94,6 @@ class FilmSolution:
         torn into streamers.
     shear
         Shear stress [Pa] at mid-film by sliding, positive where it retards the first body; of asperities too.
-    mean_speed
-        Mean speed of the surfaces [m/s] at this instant.
     separation
         Rigid-body separation h_0 [m]: the film thickness less gap and deflection.
     status
@@ -135,7 +133,6 @@ class FilmSolution:
     film: Array
     film_fraction: Array
     shear: Array
-    mean_speed: float
     separation: float
     status: Status
     iterations: int
@@ -149,6 +146,11 @@ class FilmSolution:
     wear_depth: Array | None = None
     film_rate: Array | None = None
     creep_loss: float = 0.0
+
+    @property
+    def mean_speed(self) -> float:
+        """Mean speed of the surfaces [m/s] at this instant."""
+        return self.scales.mean_speed
 
     @property
     def central_film(self) -> float:
@@ -402,7 +404,6 @@ class ShearedFilm:
     """
 
     scales: FilmScales
-    mean_speed: float
     cell: float
     pressure: Array
     film: Array
@@ -412,7 +413,7 @@ class ShearedFilm:
     @property
     def sliding(self) -> float:
         """Size of the sliding speed of the surfaces [m/s]."""
-        return abs(self.mean_speed * self.scales.lubrication.slide_roll_ratio)
+        return abs(self.scales.mean_speed * self.scales.lubrication.slide_roll_ratio)
 
     @property
     def lubricant_pressure(self) -> Array:
@@ -454,7 +455,7 @@ class ShearedFilm:
         if not sliding:
             return np.zeros_like(self.pressure), np.zeros_like(self.pressure)
         compliance = 4 * hertz.half_width / (np.pi * hertz.contact_modulus)
-        rate = abs(self.mean_speed) * compliance / self.cell
+        rate = self.scales.mean_speed * compliance / self.cell
         # first guess: the bodies stick everywhere, so that the stress grows linearly from the inlet
         cells = np.arange(1, len(self.pressure) + 1).reshape(-1, *[1] * (self.pressure.ndim - 1))
         shear, least = sliding / rate * cells + 0 * self.pressure, LEAST_SLIP * sliding

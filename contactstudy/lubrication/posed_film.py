@@ -284,7 +284,7 @@ def prolongated(posed: PosedFilm, coarser: PosedFilm, coarse: FilmIteration) -> 
     pressure = interpolated(coarse.film.pressure, coarser.upstream, x, y)
     pressure[cavitated | equation.fixed] = 0
     lowest = float(coarse.film.thickness.min()) / 2
-    film = with_minimum_film(equation, pressure, void, coarse.film.separation, lowest)
+    film = equation.film_of(pressure, void, coarse.film.separation, least=lowest)
     if equation.conserves:
         content = interpolated((1 - coarse.film.void) * coarse.film.thickness, coarser.upstream, x, y)
         void = np.maximum(1 - content / film.thickness, 0)
@@ -292,8 +292,9 @@ def prolongated(posed: PosedFilm, coarser: PosedFilm, coarse: FilmIteration) -> 
 
 
 def hertz_start(posed: PosedFilm) -> Film:
-    """Return a film of Hertz's pressure, or that of the dry contact under a crown, whose minimum is Moes' film.
+    """Return a film of Hertz's pressure, or that of the dry contact under a crown, without contact of asperities.
 
+    Its minimum is Moes' film, or the boundary film where that is thicker.
     Hertz's pressure is as wide as the part of a thick film that carries load.
     """
     equation = posed.equation
@@ -309,7 +310,7 @@ def hertz_start(posed: PosedFilm) -> Film:
     pressure *= equation.load / (pressure.sum() * equation.cell[0] / pressure.shape[1])
     void = np.zeros_like(pressure)
     below = (equation.gap + equation.deflection(pressure)).min()
-    return equation.film_of(pressure, void, posed.scales.expected_film - below)
+    return equation.film_of(pressure, void, max(posed.scales.expected_film, equation.boundary_film) - below)
 
 
 def start_from(posed: PosedFilm, contact: FilmSolution) -> tuple[Film, Mask]:
@@ -331,7 +332,7 @@ def start_from(posed: PosedFilm, contact: FilmSolution) -> tuple[Film, Mask]:
         if contact.contact_pressure is not None:
             asperities = interpolated(contact.contact_pressure, contact.grid, x, y) / peak
     separation = contact.separation / scales.film
-    film = with_minimum_film(posed.equation, pressure, void, separation, lowest, asperities)
+    film = posed.equation.film_of(pressure, void, separation, asperities, least=lowest)
     # beyond the other grid's inlet the film is full
     inside = (x > contact.grid.x[1])[:, None]
     return film, (pressure == 0) & ~fixed & inside
@@ -346,12 +347,3 @@ def interpolated(values: Array, grid: Grid, x: Array, y: Array) -> Array:
         return np.stack(columns, axis=1)
     rows = [np.interp(y, grid.y, row, period=grid.length) for row in np.stack(columns, axis=1)]
     return np.stack(rows)
-
-
-def with_minimum_film(
-    equation: FilmEquation, pressure: Array, void: Array, separation: float, lowest: float, contact: Array | None = None
-) -> Film:
-    """Return the film under ``pressure``, raised to a thickness of at least ``lowest``."""
-    film = equation.film_of(pressure, void, separation, contact)
-    rise = max(0.0, lowest - float(film.thickness.min()))
-    return equation.film_of(pressure, void, separation + rise, contact) if rise else film

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from math import inf
-from typing import Protocol
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from contactstudy.domain.grid import Array, Grid, Padding, Paddings
 from contactstudy.domain.validation import InvalidInput
 from contactstudy.elasticity.eigenstrain.plane_strain_operator import OuterStrain, PlaneStrainOperator, Volume
 from contactstudy.evolution.states.plastic import (
+    Contact,
     YieldingBody,
     check_paddings,
     embedded,
@@ -31,7 +31,6 @@ from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.solids.bodies import creeps, instantaneous
 from contactstudy.solvers.conjugate_gradients import contact_tangent
 from contactstudy.solvers.plasticity import (
-    ElastoplasticStep,
     Hardening,
     Tangent,
     YieldingBodies,
@@ -39,58 +38,6 @@ from contactstudy.solvers.plasticity import (
 )
 from contactstudy.solvers.solution import Counts, Solution, Status, unloaded, worst
 from contactstudy.solvers.solve import SolveOptions
-
-
-class ContactWithAddedGap(Protocol):
-    """Protocol of a contact that is solved with a field added to its gap."""
-
-    def __call__(self, added_gap: Array) -> Solution:
-        """Return the contact with `added_gap` (x, y) [m] added to its gap."""
-
-    def tangent(self, solution: Solution) -> Tangent | None:
-        """Return the linearised contact at `solution`; None if its pressure never changes."""
-
-
-class SolvedContact(WarmStartedContact):
-    """A contact that is solved for each added gap."""
-
-    def tangent(self, solution: Solution) -> Tangent:
-        """Return the linearised contact in which the same cells stay in contact."""
-        return contact_tangent(solution, Precision(self.options.precision))
-
-
-@dataclass(frozen=True, eq=False)
-class FixedContact:
-    """A contact whose pressure stays that of `solution`, whatever the surface."""
-
-    solution: Solution
-
-    def __call__(self, added_gap: Array) -> Solution:
-        """Return `solution` with `added_gap` (x, y) [m] added to the undeformed gap of its problem."""
-        return replace(self.solution, problem=with_added_gap(self.solution.problem, added_gap))
-
-    def tangent(self, _: Solution) -> None:
-        """Return None, since the pressure does not change."""
-
-
-@dataclass(frozen=True, eq=False)
-class DepthProfile:
-    """Plastic strain over depth that is the same along x.
-
-    Attributes
-    ----------
-    strain
-        Plastic strain (component, layers), in the basis of the moving grid's operator.
-    equivalent
-        Equivalent plastic strain (layers,).
-    """
-
-    strain: Array
-    equivalent: Array
-
-    def deeper(self, layers: int) -> "DepthProfile":
-        """Return the profile with `layers` layers in all; the added ones have not yielded."""
-        return DepthProfile(with_zero_layers(self.strain, layers), with_zero_layers(self.equivalent, layers))
 
 
 def with_zero_layers(field: Array, layers: int) -> Array:
@@ -103,38 +50,35 @@ def with_zero_layers(field: Array, layers: int) -> Array:
 class Track:
     """A half-space in plane strain over which a contact rolls, seen on a grid that moves with the contact.
 
+    Fields and profiles over depth have four components: those of plastic strain in the operator's basis, and the
+    equivalent plastic strain.
+
     Attributes
     ----------
     outer_strain
         Influence of the half-space outside the moving grid.
     hardening
         Yield stress and hardening moduli [Pa].
-    strain
-        Plastic strain (component, layers, x, 1) in the moving grid.
-    equivalent
-        Equivalent plastic strain (layers, x, 1) in the moving grid.
-    mean_strain_behind
-        Plastic strain (component, layers) from the left edge of the moving grid to infinity: a running mean of the
-        strain that left the moving grid. The last strain alone would make it oscillate with the period of the moving
-        grid.
+    plastic
+        Plastic strain and its equivalent (4, layers, x, 1) in the moving grid.
+    behind
+        Profile (4, layers) from the left edge of the moving grid to infinity: a running mean of the profiles that left
+        the moving grid. The last one alone would make it oscillate with the period of the moving grid.
     front
-        The half-space on the right of the moving grid.
+        Profile (4, layers) on the right of the moving grid.
     """
 
     outer_strain: OuterStrain
     hardening: Hardening
-    strain: Array
-    equivalent: Array
-    mean_strain_behind: Array
-    front: DepthProfile
+    plastic: Array
+    behind: Array
+    front: Array
 
     @classmethod
     def virgin(cls, operator: PlaneStrainOperator, hardening: Hardening) -> "Track":
         """Return a virgin track, without plastic strain."""
-        cells = operator.volume.shape
-        strain, equivalent = np.zeros((len(operator.basis), *cells)), np.zeros(cells)
-        profile = DepthProfile(strain[:, :, 0, 0], equivalent[:, 0, 0])
-        return cls(OuterStrain(operator), hardening, strain, equivalent, profile.strain, profile)
+        plastic = np.zeros((len(operator.basis) + 1, *operator.volume.shape))
+        return cls(OuterStrain(operator), hardening, plastic, plastic[..., 0, 0], plastic[..., 0, 0])
 
     @property
     def operator(self) -> PlaneStrainOperator:
@@ -142,9 +86,19 @@ class Track:
         return self.outer_strain.operator
 
     @property
-    def left_profile(self) -> DepthProfile:
-        """Profile at the left edge of the moving grid, which leaves it in the next step."""
-        return DepthProfile(self.strain[:, :, 0, 0], self.equivalent[:, 0, 0])
+    def strain(self) -> Array:
+        """Plastic strain (3, layers, x, 1) in the moving grid."""
+        return self.plastic[:-1]
+
+    @property
+    def left_profile(self) -> Array:
+        """Profile (4, layers) at the left edge of the moving grid, which leaves it in the next step."""
+        return self.plastic[..., 0, 0]
+
+    @property
+    def outside(self) -> tuple[Array, Array]:
+        """Profiles of plastic strain (3, layers) behind the moving grid and in front of it."""
+        return self.behind[:-1], self.front[:-1]
 
     def rolled(self, weight: float) -> "Track":
         """Return the track after the contact has rolled by one cell.
@@ -152,79 +106,21 @@ class Track:
         Parameters
         ----------
         weight
-            Weight of the strain that leaves the moving grid in the mean strain behind it.
+            Weight of the profile that leaves the moving grid in the mean behind it.
         """
-        strain, equivalent = np.roll(self.strain, -1, axis=2), np.roll(self.equivalent, -1, axis=1)
-        strain[:, :, -1, 0], equivalent[:, -1, 0] = self.front.strain, self.front.equivalent
-        mean_strain_behind = self.mean_strain_behind + weight * (self.left_profile.strain - self.mean_strain_behind)
-        return replace(self, strain=strain, equivalent=equivalent, mean_strain_behind=mean_strain_behind)
-
-    def solve_step(
-        self, contact: ContactWithAddedGap, tolerance: float, length: float
-    ) -> tuple["Track", ElastoplasticStep]:
-        """Solve a step: the contact, and the plastic strain below it.
-
-        Layers are added while the last one yields.
-
-        Parameters
-        ----------
-        contact
-            Solves the contact with a field added to its gap.
-        tolerance
-            Largest relative residual.
-        length
-            Length scale of the contact [m], for which layers are made.
-
-        Returns
-        -------
-        tuple of Track and ElastoplasticStep
-            The track after the step, and the contact with its residual and work.
-        """
-        track = self
-        while True:
-            operator, outer_strain = track.operator, track.outer_strain
-            bodies = YieldingBodies((operator,), (track.hardening,))
-            outside = track.mean_strain_behind, track.front.strain
-            outer_gap = outer_strain.residual_displacement(*outside)
-            step = solve_elastoplastic_step(
-                bodies,
-                partial(_with_outer_gap, contact, outer_gap),
-                contact.tangent,
-                bodies.concatenated([track.strain]),
-                bodies.concatenated([track.equivalent]),
-                tolerance,
-                bodies.concatenated([outer_strain.stress(*outside)]),
-            )
-            (flow,) = bodies.split(step.equivalent_increment)
-            volume = operator.volume
-            if not flow[-1].any():
-                break
-            deeper_volume = enlarged(replace(volume, first=0, last=volume.grid.cells[0]), length, flow > 0)
-            track = track.deeper(deeper_volume)
-        (strain,) = bodies.split(step.strain)
-        return replace(track, strain=strain, equivalent=track.equivalent + flow), step
+        plastic = np.roll(self.plastic, -1, axis=2)
+        plastic[:, :, -1, 0] = self.front
+        return replace(self, plastic=plastic, behind=self.behind + weight * (self.left_profile - self.behind))
 
     def deeper(self, volume: Volume) -> "Track":
         """Return the track in a larger `volume`, whose added layers have not yielded."""
-        layers = volume.shape[0]
-        return Track(
-            OuterStrain(PlaneStrainOperator(volume, self.operator.moduli)),
-            self.hardening,
-            embedded(self.strain, 0, volume),
-            embedded(self.equivalent, 0, volume),
-            with_zero_layers(self.mean_strain_behind, layers),
-            self.front.deeper(layers),
-        )
+        operator = PlaneStrainOperator(volume, self.operator.moduli)
+        behind, front = (with_zero_layers(profile, volume.shape[0]) for profile in (self.behind, self.front))
+        return Track(OuterStrain(operator), self.hardening, embedded(self.plastic, 0, volume), behind, front)
 
     def residual_stress(self) -> Array:
         """Return the residual stress (6, layers, x, 1) [Pa] in the moving grid, tension positive."""
-        around = self.outer_strain.tensor(self.mean_strain_behind, self.front.strain)
-        return self.operator.residual_stress_tensor(self.strain) + around
-
-
-def _with_outer_gap(contact: ContactWithAddedGap, outer: Array, added_gap: Array) -> Solution:
-    """Return a contact with `added_gap` and that by the strain outside the moving grid (x, y) [m] added to its gap."""
-    return contact(outer + added_gap)
+        return self.operator.residual_stress_tensor(self.strain) + self.outer_strain.tensor(*self.outside)
 
 
 # Numbers of these components in a symmetric tensor xx, yy, zz, yz, xz, xy.
@@ -238,7 +134,7 @@ class RollingPass:
     Attributes
     ----------
     profile
-        Plastic strain that the pass leaves behind.
+        Plastic strain and its equivalent (4, layers) that the pass leaves behind.
     distance
         Distance rolled [m].
     solution
@@ -252,7 +148,7 @@ class RollingPass:
         Iterations of Newton's method in all steps.
     """
 
-    profile: DepthProfile
+    profile: Array
     distance: float
     solution: Solution
     status: Status
@@ -307,12 +203,12 @@ class RepeatedRolling:
     def plastic_strain(self) -> Array:
         """Plastic strain (pass, component, z) that each pass leaves behind."""
         basis = self.track.operator.basis
-        return np.asarray(np.einsum("ct,ncl->ntl", basis, self._per_pass("strain")))
+        return np.asarray(np.einsum("ct,ncl->ntl", basis, self._profiles[:, :-1]))
 
     @property
     def equivalent_plastic_strain(self) -> Array:
         """Equivalent plastic strain (pass, z) that each pass leaves behind."""
-        return self._per_pass("equivalent")
+        return self._profiles[:, -1]
 
     @property
     def residual_stress(self) -> Array:
@@ -374,10 +270,10 @@ class RepeatedRolling:
             ),
         }  # fmt: skip
 
-    def _per_pass(self, name: str) -> Array:
-        """Return the profiles called `name` of all passes (pass, ..., z), with layers of zeros below shallow ones."""
-        profiles = (getattr(each_pass.profile, name) for each_pass in self.passes)
-        return np.stack([with_zero_layers(profile, len(self.depths)) for profile in profiles])
+    @property
+    def _profiles(self) -> Array:
+        """Profiles that the passes leave behind (pass, 4, z), with layers of zeros below shallow ones."""
+        return np.stack([with_zero_layers(each_pass.profile, len(self.depths)) for each_pass in self.passes])
 
     def _added_per_pass(self, kept: Array) -> Array:
         """Return the increase by each pass of a quantity (pass, ...) that is zero before the first."""
@@ -444,9 +340,14 @@ def roll_repeatedly(
     volume = Volume(grid, 0, grid.cells[0], layers(grid, length, INITIAL_DEPTH * length))
     operator = PlaneStrainOperator(volume, body.moduli)
     solution = solved_or_unloaded(options, problem)
-    settled = SolvedContact(problem, options, solution.pressure)
+    contact: Contact = partial(_unchanged, solution)
+    tangent = None
+    if rolling.pressure != "elastic":
+        contact = WarmStartedContact(problem, options, solution.pressure)
+        tangent = partial(contact_tangent, precision=Precision(options.precision))
     roller = _Rolling(
-        FixedContact(solution) if rolling.pressure == "elastic" else settled,
+        contact,
+        tangent,
         options.tolerance,
         length,
         lag=max(round(length / cell), 1),
@@ -466,7 +367,7 @@ def roll_repeatedly(
             track = replace(track, front=track.left_profile)
         track, rolling_pass = roller.one_pass(track, () if finished else (pressed,), report)
         finished.append(rolling_pass)
-    released, _ = track.solve_step(FixedContact(unloaded(problem)), options.tolerance, length)
+    released, _ = replace(roller, contact=partial(_unchanged, unloaded(problem)), tangent=None).step(track)
     solve_on = partial(roll_repeatedly, scene, padding=padding, options=options)
     posed = PosedScene(scene, grid, padding)
     return RepeatedRolling(tuple(finished), track, released, posed, solve_on)
@@ -485,7 +386,9 @@ class _Rolling:
     Attributes
     ----------
     contact
-        Solves the contact with a field added to its gap.
+        Function that returns the contact with a field (x, y) [m] added to its gap.
+    tangent
+        Linearisation of the contact at a solution; None if its pressure never changes.
     tolerance
         Largest relative residual.
     length
@@ -498,7 +401,8 @@ class _Rolling:
         Largest change of plastic strain that counts as steady.
     """
 
-    contact: ContactWithAddedGap
+    contact: Contact
+    tangent: Callable[[Solution], Tangent] | None
     tolerance: float
     length: float
     lag: int
@@ -530,10 +434,9 @@ class _Rolling:
             profiles.append(track.left_profile)
             report(min((len(profiles) - 1) / least_steps, 1.0))
             if len(profiles) > grid.cells[0] + self.lag:
-                strain = track.left_profile.strain
-                references = profiles[-1 - self.lag].strain, track.mean_strain_behind
-                earlier = np.stack([with_zero_layers(reference, strain.shape[1]) for reference in references])
-                change = float(np.abs(strain - earlier).max(initial=0.0))
+                references = profiles[-1 - self.lag], track.behind
+                earlier = [with_zero_layers(profile, track.operator.volume.shape[0]) for profile in references]
+                change = float(np.abs(track.left_profile - earlier)[:, :-1].max())
                 if self.max_steps is None and change < self.steady:
                     break
         statuses = [solution.status for solution, _ in steps]
@@ -541,7 +444,7 @@ class _Rolling:
             statuses.append(Status.PASS_NOT_STEADY)
         # checked at the end only: until the strain is steady, the mean strain behind differs from the strain that leaves
         # the moving grid
-        flow = track.equivalent - embedded(before.equivalent, 0, track.operator.volume)
+        flow = (track.plastic - embedded(before.plastic, 0, track.operator.volume))[-1]
         if flow[:, [0, -1]].max() > self.steady:
             statuses.append(Status.YIELD_AT_EDGE)
         return track, RollingPass(
@@ -554,10 +457,37 @@ class _Rolling:
         )
 
     def step(self, track: Track) -> tuple[Track, SolvedStep]:
-        """Return the track after a step, with the contact at its end and the iterations of Newton's method."""
-        after, step = track.solve_step(self.contact, self.tolerance, self.length)
-        solution = step_solution(step, self.tolerance)
-        return after, (solution, step.iterations)
+        """Return the track after a step, with the contact at its end and the iterations of Newton's method.
+
+        Layers are added while the last one yields.
+        """
+        while True:
+            bodies = YieldingBodies((track.operator,), (track.hardening,))
+            outer_gap = track.outer_strain.residual_displacement(*track.outside)
+            step = solve_elastoplastic_step(
+                bodies,
+                partial(self._pressed, outer_gap),
+                self.tangent,
+                bodies.concatenated([track.strain]),
+                bodies.concatenated([track.plastic[-1]]),
+                self.tolerance,
+                bodies.concatenated([track.outer_strain.stress(*track.outside)]),
+            )
+            (flow,), (strain,) = bodies.split(step.equivalent_increment), bodies.split(step.strain)
+            if not flow[-1].any():
+                break
+            track = track.deeper(enlarged(track.operator.volume, self.length, flow > 0))
+        plastic = np.concatenate((strain, track.plastic[-1:] + flow))
+        return replace(track, plastic=plastic), (step_solution(step, self.tolerance), step.iterations)
+
+    def _pressed(self, outer_gap: Array, added_gap: Array) -> Solution:
+        """Return the contact with the gap by the strain outside the moving grid and another one (x, y) [m] added."""
+        return self.contact(outer_gap + added_gap)
+
+
+def _unchanged(solution: Solution, added_gap: Array) -> Solution:
+    """Return the `solution`, with the same pressure and `added_gap` (x, y) [m] added to its undeformed gap."""
+    return replace(solution, problem=with_added_gap(solution.problem, added_gap))
 
 
 def _single_yielding_body(scene: Scene) -> YieldingBody:

@@ -246,7 +246,7 @@ class ElastoplasticStep:
 def solve_elastoplastic_step(
     bodies: YieldingBodies,
     contact: Callable[[Array], Solution],
-    tangent: Callable[[Solution], Tangent | None],
+    tangent: Callable[[Solution], Tangent] | None,
     strain_n: Array,
     equivalent_n: Array,
     tolerance: float,
@@ -296,7 +296,7 @@ def solve_elastoplastic_step(
     stall, iterations = Stall(STALL_ITERATIONS), 0
     while tolerance < state.residual_norm and iterations < MAX_ITERATIONS and not stall.stalled(state.residual_norm):
         iterations += 1
-        step = _newton_step(bodies, tangent(state.solution), state)
+        step = _newton_step(bodies, tangent and tangent(state.solution), state)
         state = _line_search(state_of, state, step)
     equivalent_increment = SQRT_TWO_THIRDS * state.mapped.multiplier
     return ElastoplasticStep(

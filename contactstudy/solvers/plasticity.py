@@ -7,7 +7,7 @@ list of cells. The contact acts by its tangent operator, minus the derivative of
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from functools import cached_property
 
 import numpy as np
@@ -129,12 +129,8 @@ class YieldingBodies:
     @cached_property
     def law(self) -> VonMisesPlasticity:
         """Yield criterion and hardening of all cells."""
-        return VonMisesPlasticity(
-            self._per_cell([2 * operator.moduli.shear for operator in self.operators]),
-            self._per_cell([body.yield_stress for body in self.hardening]),
-            self._per_cell([body.isotropic for body in self.hardening]),
-            self._per_cell([body.kinematic for body in self.hardening]),
-        )
+        shear = [2 * operator.moduli.shear for operator in self.operators]
+        return VonMisesPlasticity(*map(self._per_cell, (shear, *zip(*map(astuple, self.hardening), strict=True))))
 
     @cached_property
     def yield_strain(self) -> Array:

@@ -174,7 +174,10 @@ class PlasticState:
     """State variable of plastic strain and equivalent plastic strain of each yielding body.
 
     They are kept in volumes of cells that grow as bodies yield, and depend on the path of the load, not on how fast the
-    load follows it.
+    load follows it. A :data:`State` has, for the body with the index i in ``Scene.solids``, ``plastic<i>``: the C
+    components of plastic strain in the basis of its operator, then the equivalent one, (C + 1, layers, x, y);
+    ``first<i>``, the first cell across of its volume; and ``edges<i>`` [m], the depths between its layers. ``flow`` (1,)
+    [m^3] is the equivalent plastic strain, summed over cells, since the last step without plastic flow.
 
     Attributes
     ----------
@@ -205,8 +208,8 @@ class PlasticState:
         """Return a state without plastic strain."""
         state: dict[str, Array] = {"flow": np.zeros(1)}
         for body, operator in zip(self.bodies, self.operators, strict=True):
-            cells = operator.volume.shape
-            state |= _body_state(body, np.zeros((len(operator.basis), *cells)), np.zeros(cells), operator.volume)
+            plastic = np.zeros((len(operator.basis) + 1, *operator.volume.shape))
+            state |= _body_state(body, plastic, operator.volume)
         return state
 
     def solve_step(
@@ -232,50 +235,39 @@ class PlasticState:
         guess
             State at the end of the step to begin with; None begins with that at its start.
         """
-        strains, _ = self._in_volumes(state if guess is None else guess)
-        pairs = zip(self.operators, strains, strict=True)
-        first = contact(np.asarray(sum(operator.residual_displacement(strain) for operator, strain in pairs)))
+        begin = state if guess is None else guess
+        first = contact(np.asarray(sum(self._residual_displacements(begin))))
         while self._grown([self._elastic_excess(number, first, attraction) for number in range(len(self.bodies))]):
             pass
         while True:
-            # first, because the state of a continued integration may be in larger volumes
-            start, _ = self._in_volumes(state if guess is None else guess)
-            strains, equivalents = self._in_volumes(state)
-            laws = tuple(body.hardening for body in self.bodies)
-            bodies = YieldingBodies(tuple(self.operators), laws)
-            before, equivalent = bodies.concatenated(strains), bodies.concatenated(equivalents)
+            # the volumes of either state may be larger than those of the other
+            self._in_volumes(state)
+            start, now = self._in_volumes(begin), self._in_volumes(state)
+            bodies = YieldingBodies(tuple(self.operators), tuple(body.hardening for body in self.bodies))
+            before = bodies.concatenated(now)
             solve_under = partial(
                 solve_elastoplastic_step, bodies, contact,
                 partial(contact_tangent, precision=self.precision),
-                before, equivalent, tolerance, guess=bodies.concatenated(start),
+                before[:-1], before[-1], tolerance, guess=bodies.concatenated(start)[:-1],
             )  # fmt: skip
-            adhesive_stress = np.zeros_like(before)
-            if attraction is not None:
-                adhesive_stress = bodies.stress_of_pressure(-attraction)
-            if self._slides:
-                step = self._solve_with_friction(bodies, first, adhesive_stress, solve_under, tolerance)
-            else:
-                step = solve_under(adhesive_stress)
-                step = replace(step, contacts=(first, *step.contacts))
+            adhesive_stress = 0.0 if attraction is None else bodies.stress_of_pressure(-attraction)
+            step = self._solve_with_friction(bodies, first, adhesive_stress, solve_under, tolerance)
             if not self._grown(bodies.split(step.equivalent_increment)):
                 break
-        strains = bodies.split(step.strain)
-        equivalents = bodies.split(equivalent + step.equivalent_increment)
+        plastics = bodies.split(np.concatenate((step.strain, before[-1:] + step.equivalent_increment)))
 
         # rounding may put a cell that is on the yield surface beyond it
         yielded_cells = step.equivalent_increment > tolerance * bodies.yield_strain
         integral = float((step.equivalent_increment * yielded_cells * bodies.volumes).sum())
         after: dict[str, Array] = {"flow": state["flow"] + integral if integral else np.zeros(1)}
-        parts = zip(self.bodies, self.operators, strains, equivalents, strict=True)
-        for body, operator, strain, hardened in parts:
-            after |= _body_state(body, strain, hardened, operator.volume)
+        volumes = [operator.volume for operator in self.operators]
+        for body, volume, plastic in zip(self.bodies, volumes, plastics, strict=True):
+            after |= _body_state(body, plastic, volume)
         solution = step_solution(step, tolerance)
-        if np.abs(_traction_x(solution)).max() > self._traction_limit:
+        if solution.traction is not None and np.abs(solution.traction.shear[0]).max() > self._traction_limit:
             solution = replace(solution, status=Status.SHEAR_BEYOND_YIELD)
-        yielded = zip(self.operators, equivalents, strict=True)
-        if solution.status is Status.CONVERGED and any(
-            _meets_edge(operator.volume, hardened > 0) for operator, hardened in yielded
-        ):
+        at_edge = any(_meets_edge(volume, plastic[-1] > 0) for volume, plastic in zip(volumes, plastics, strict=True))
+        if solution.status is Status.CONVERGED and at_edge:
             solution = replace(solution, status=Status.YIELD_AT_EDGE)
         return CoupledSolution(solution, after, step.energy)
 
@@ -284,25 +276,24 @@ class PlasticState:
 
         It leaves out the residual stress.
         """
-        body, operator = self.bodies[number], self.operators[number]
-        stress = operator.stress_of_pressure(solution.pressure - (0 if attraction is None else attraction))
-        if self._slides:
-            stress += self._stress_of_traction(body, operator, solution)
-        return np.asarray(np.sqrt(1.5 * (stress**2).sum(axis=0)) - NEAR_YIELD * body.hardening.yield_stress)
+        pressure = solution.pressure if attraction is None else solution.pressure - attraction
+        stress = self.operators[number].stress_of_pressure(pressure) + self._stress_of_traction(number, solution)
+        yield_stress = self.bodies[number].hardening.yield_stress
+        return np.asarray(np.sqrt(1.5 * (stress**2).sum(axis=0)) - NEAR_YIELD * yield_stress)
 
     def _solve_with_friction(
         self,
         bodies: YieldingBodies,
         first: Solution,
-        adhesive_stress: Array,
+        adhesive_stress: Array | float,
         solve_under: Callable[[Array], ElastoplasticStep],
         tolerance: float,
     ) -> ElastoplasticStep:
-        """Return pressure and plastic strain at the end of a step of bodies that slide.
+        """Return pressure and plastic strain at the end of a step.
 
         Friction makes the problem unsymmetric. Its stress is lagged: it follows from the pressure of the previous
         iteration, from that of the `first` contact on, until it changes by less than the tolerance. `adhesive_stress`
-        (C, cells) [Pa] is that of an attraction.
+        (C, cells) [Pa] is that of an attraction, and `solve_under` returns the step under a further stress (C, cells).
         """
         contacts = [first]
         stress, outer_iterations = self._stress_of_friction(bodies, first), 0
@@ -320,32 +311,33 @@ class PlasticState:
 
     def _stress_of_friction(self, bodies: YieldingBodies, solution: Solution) -> Array:
         """Return the stress (C, cells) [Pa] by the tangential traction of a contact."""
-        parts = zip(self.bodies, self.operators, strict=True)
-        stresses = [self._stress_of_traction(body, part, solution) for body, part in parts]
-        return bodies.concatenated(stresses)
+        return bodies.concatenated([self._stress_of_traction(number, solution) for number in range(len(self.bodies))])
 
-    def _stress_of_traction(self, body: YieldingBody, operator: EigenstrainOperator, solution: Solution) -> Array:
+    def _stress_of_traction(self, number: int, solution: Solution) -> Array:
         """Return the stress (C, layers, x, y) [Pa] in one body by the tangential traction along x.
 
         The traction of the `solution` is that on the first body; on the second it is reversed.
         """
-        return operator.stress_of_shear((1 - 2 * body.index) * _traction_x(solution))
-
-    @property
-    def _slides(self) -> bool:
-        """True if the bodies slide with friction."""
-        return bool(_traction_x(self.elastic).any())
+        operator = self.operators[number]
+        if solution.traction is None:
+            return np.zeros((len(operator.basis), *operator.volume.shape))
+        return operator.stress_of_shear((1 - 2 * self.bodies[number].index) * solution.traction.shear[0])
 
     def fields(self, state: State) -> Mapping[str, Field]:
         """Return the residual displacement (x, y) [m] of each body's surface, positive into the body."""
-        strains, _ = self._in_volumes(state)
         fields: dict[str, Field] = {}
-        for body, operator, strain in zip(self.bodies, self.operators, strains, strict=True):
-            displacement = np.asarray(operator.residual_displacement(strain))
+        for body, displacement in zip(self.bodies, self._residual_displacements(state), strict=True):
             label = "residual displacement" + f" of solids[{body.index}]" * (len(self.bodies) > 1)
-            name = f"residual_displacement{self._suffix(body)}"
-            fields[name] = Field(("x", "y"), displacement, "m", label)
+            fields[f"residual_displacement{self._suffix(body)}"] = Field(("x", "y"), displacement, "m", label)
         return fields
+
+    def _residual_displacements(self, state: State) -> list[Array]:
+        """Return the residual displacement (x, y) [m] of each body's surface, positive into the body."""
+        plastics = self._in_volumes(state)
+        return [
+            operator.residual_displacement(plastic[:-1])
+            for operator, plastic in zip(self.operators, plastics, strict=True)
+        ]
 
     def _suffix(self, body: YieldingBody) -> str:
         """Return what ends the names of a body's fields: nothing where it alone yields."""
@@ -355,12 +347,9 @@ class PlasticState:
         """Return the state after ``Scene.solids[index]`` has lost a further `depth` (x, y) [m]: its strain moves up."""
         if f"first{index}" not in state:
             return state
-        first, edges = int(state[f"first{index}"][0]), state[f"edges{index}"]
-        moved = {
-            name: _moved_up(state[name], edges, depth[first : first + state[name].shape[-2]])
-            for name in (f"strain{index}", f"equivalent{index}")
-        }
-        return {**state, **moved}
+        first, plastic = int(state[f"first{index}"][0]), state[f"plastic{index}"]
+        depth = depth[first : first + plastic.shape[-2]]
+        return {**state, f"plastic{index}": _moved_up(plastic, state[f"edges{index}"], depth)}
 
     def has_onset_of_yield(self, before: State, after: State) -> bool:
         """Return whether a step added much more plastic strain than all since the last step without plastic flow.
@@ -376,8 +365,8 @@ class PlasticState:
         for number, body in enumerate(self.bodies):
             if body.index == index:
                 wide = self._across_grid(number, deepest)
-                strain, _ = _embedded_state(state, body, wide.volume)
-                return partial(_at_depths, wide.volume.depths, wide.residual_stress_tensor(strain))
+                plastic = _embedded_state(state, body, wide.volume)
+                return partial(_at_depths, wide.volume.depths, wide.residual_stress_tensor(plastic[:-1]))
         return None
 
     def _across_grid(self, number: int, deepest: float = 0.0) -> EigenstrainOperator:
@@ -408,9 +397,9 @@ class PlasticState:
             depth_suffix = suffix or f"_{body.index}" * bool(self.elastic.problem.outputs)
             wide = self._across_grid(number)
             volume = wide.volume
-            strains, equivalents = zip(*(_embedded_state(state, body, volume) for state in states), strict=True)
-            residual = np.stack([wide.residual_stress_tensor(strain) for strain in strains])
-            tensors = np.einsum("ct,ncl...->ntl...", wide.basis, np.stack(strains))
+            plastics = np.stack([_embedded_state(state, body, volume) for state in states])
+            residual = np.stack([wide.residual_stress_tensor(plastic[:-1]) for plastic in plastics])
+            tensors = np.einsum("ct,ncl...->ntl...", wide.basis, plastics[:, :-1])
             layer = (f"z{depth_suffix}",)
             cells = "time", *layer, "x", "y"
             components = "time", "component", *cells[1:]
@@ -422,7 +411,7 @@ class PlasticState:
             fields |= {
                 f"plastic_strain{suffix}": Field(components, tensors, "1", f"plastic strain{of}"),
                 f"equivalent_plastic_strain{suffix}": Field(
-                    cells, np.stack(equivalents), "1", f"equivalent plastic strain{of}"
+                    cells, plastics[:, -1], "1", f"equivalent plastic strain{of}"
                 ),
                 f"residual_stress{suffix}": Field(components, residual, "Pa", unloaded, NEAR_EDGE),
                 f"z{depth_suffix}": Field(layer, volume.depths, "m", depth, down),
@@ -445,20 +434,18 @@ class PlasticState:
         """Length scale of the contact [m], for which layers are made."""
         return self.elastic.problem.scales.length
 
-    def _in_volumes(self, state: State) -> tuple[list[Array], list[Array]]:
-        """Return strains and equivalent strains of `state` by body, after enlarging the present volumes to hold them."""
-        strains, equivalents = [], []
+    def _in_volumes(self, state: State) -> list[Array]:
+        """Return the fields ``plastic<i>`` of `state` by body, in volumes that are enlarged to hold them."""
+        plastics = []
         for number, body in enumerate(self.bodies):
-            strain, first = state[f"strain{body.index}"], int(state[f"first{body.index}"][0])
+            plastic, first = state[f"plastic{body.index}"], int(state[f"first{body.index}"][0])
             present = self.operators[number].volume
             edges = tuple(float(z) for z in state[f"edges{body.index}"])
-            volume = union(present, Volume(present.grid, first, first + strain.shape[-2], edges))
+            volume = union(present, Volume(present.grid, first, first + plastic.shape[-2], edges))
             if volume != present:
                 self.operators[number] = operator_on(volume, body.moduli)
-            body_strain, body_equivalent = _embedded_state(state, body, volume)
-            strains.append(body_strain)
-            equivalents.append(body_equivalent)
-        return strains, equivalents
+            plastics.append(embedded(plastic, first, volume))
+        return plastics
 
     def _grown(self, yielded: Sequence[Array]) -> bool:
         """Enlarge each volume in which plastic flow reaches the edge, and return whether there was one."""
@@ -494,27 +481,18 @@ def operator_on(volume: Volume, moduli: Moduli) -> EigenstrainOperator:
     return PeriodicOperator(volume, moduli)
 
 
-def _traction_x(solution: Solution) -> Array:
-    """Return the tangential traction along x on the first body (x, y) [Pa]; zero without friction."""
-    traction = solution.traction
-    return np.zeros_like(solution.pressure) if traction is None else traction.shear[0]
-
-
-def _body_state(body: YieldingBody, strain: Array, equivalent: Array, volume: Volume) -> State:
+def _body_state(body: YieldingBody, plastic: Array, volume: Volume) -> State:
     """Return the arrays of one body's state, named after its index in the scene."""
     return {
-        f"strain{body.index}": strain,
-        f"equivalent{body.index}": equivalent,
+        f"plastic{body.index}": plastic,
         f"first{body.index}": np.array([float(volume.first)]),
         f"edges{body.index}": np.array(volume.edges),
     }
 
 
-def _embedded_state(state: State, body: YieldingBody, volume: Volume) -> tuple[Array, Array]:
-    """Return strain and equivalent strain of `body` from `state`, in a `volume` that contains them."""
-    first = int(state[f"first{body.index}"][0])
-    strain, equivalent = state[f"strain{body.index}"], state[f"equivalent{body.index}"]
-    return embedded(strain, first, volume), embedded(equivalent, first, volume)
+def _embedded_state(state: State, body: YieldingBody, volume: Volume) -> Array:
+    """Return plastic strain and its equivalent (C + 1, layers, x, y) of `body`, in a `volume` that contains them."""
+    return embedded(state[f"plastic{body.index}"], int(state[f"first{body.index}"][0]), volume)
 
 
 def _moved_up(means: Array, edges: Array, depth: Array) -> Array:

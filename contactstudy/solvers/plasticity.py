@@ -9,6 +9,7 @@ list of cells. The contact acts by its tangent operator, minus the derivative of
 from collections.abc import Callable, Sequence
 from dataclasses import astuple, dataclass
 from functools import cached_property
+from math import prod
 
 import numpy as np
 from numpy.typing import NDArray
@@ -129,8 +130,8 @@ class YieldingBodies:
     @cached_property
     def law(self) -> VonMisesPlasticity:
         """Yield criterion and hardening of all cells."""
-        shear = [2 * operator.moduli.shear for operator in self.operators]
-        return VonMisesPlasticity(*map(self._per_cell, (shear, *zip(*map(astuple, self.hardening), strict=True))))
+        rows = [(2 * o.moduli.shear, *astuple(h)) for o, h in zip(self.operators, self.hardening, strict=True)]
+        return VonMisesPlasticity(*map(self._per_cell, np.transpose(rows)))
 
     @cached_property
     def yield_strain(self) -> Array:
@@ -161,13 +162,9 @@ class YieldingBodies:
 
     def split(self, field: Array) -> list[Array]:
         """Return the field (..., layers, x, y) of each body in one `field` (..., cells)."""
-        parts, start = [], 0
-        for operator in self.operators:
-            shape = operator.volume.shape
-            end = start + int(np.prod(shape))
-            parts.append(field[..., start:end].reshape(*field.shape[:-1], *shape))
-            start = end
-        return parts
+        parts = np.split(field, np.cumsum(self._sizes)[:-1], axis=-1)
+        shapes = (operator.volume.shape for operator in self.operators)
+        return [part.reshape(*field.shape[:-1], *shape) for part, shape in zip(parts, shapes, strict=True)]
 
     def stress_of_pressure(self, pressure: Array) -> Array:
         """Return the deviatoric stress S p (C, cells) [Pa] under `pressure` (x, y) [Pa]."""
@@ -187,10 +184,14 @@ class YieldingBodies:
         """Return the inner product of two fields (C, cells), integrated over the volume [m^3 times their units]."""
         return float(np.einsum("ck,ck,k->", first, second, self.volumes))
 
-    def _per_cell(self, values: Sequence[float]) -> Array:
+    @property
+    def _sizes(self) -> list[int]:
+        """Number of cells of each body."""
+        return [prod(operator.volume.shape) for operator in self.operators]
+
+    def _per_cell(self, values: Sequence[float] | Array) -> Array:
         """Return the `values` of the bodies for every cell (cells,)."""
-        sizes = [int(np.prod(operator.volume.shape)) for operator in self.operators]
-        return np.repeat(np.array(values, dtype=np.float64), sizes)
+        return np.repeat(values, self._sizes)
 
 
 # Map from a change of the gap (x, y) [m] to minus the change of the pressure (x, y) [Pa].
@@ -284,9 +285,19 @@ def solve_elastoplastic_step(
     contacts: list[Solution] = []
 
     def state_of(strain: Array) -> _State:
+        """Return the state of a plastic strain (C, cells) with the contact over its residual displacement."""
         solution = contact(bodies.residual_displacement(strain))
         contacts.append(solution)
-        return _mapped_state(bodies, solution, strain, strain_n, equivalent_n, outer_stress)
+        reduction = bodies.negative_residual_stress(strain)
+        stress = bodies.stress_of_pressure(solution.pressure) + outer_stress - reduction
+        mapped = bodies.law.return_mapping(stress, strain, strain_n, equivalent_n)
+        residual = strain - mapped.strain
+        residual_norm = float((np.abs(residual) / bodies.yield_strain).max(initial=0.0))
+        potential = bodies.law.incremental_potential(mapped.strain, strain_n, equivalent_n)
+        incremental_energy = bodies.inner(strain, reduction) / 2 + float((potential * bodies.volumes).sum())
+        energy = incremental_energy - bodies.inner(strain, outer_stress) - _contact_energy(solution, bodies.cell_area)
+        energy += bodies.inner(stress + bodies.law.twice_shear_modulus / 2 * residual, residual)
+        return _State(strain, solution, mapped, residual, residual_norm, energy, incremental_energy)
 
     state = state_of(strain_n if guess is None else guess)
     stall, iterations = Stall(STALL_ITERATIONS), 0
@@ -323,22 +334,6 @@ class _State:
     residual_norm: float
     energy: float
     incremental_energy: float
-
-
-def _mapped_state(
-    bodies: YieldingBodies, solution: Solution, strain: Array, strain_n: Array, equivalent_n: Array, outer_stress: Array
-) -> _State:
-    """Return the state of a plastic `strain` (C, cells) with the contact `solution` over its residual displacement."""
-    reduction = bodies.negative_residual_stress(strain)
-    stress = bodies.stress_of_pressure(solution.pressure) + outer_stress - reduction
-    mapped = bodies.law.return_mapping(stress, strain, strain_n, equivalent_n)
-    residual = strain - mapped.strain
-    residual_norm = float((np.abs(residual) / bodies.yield_strain).max(initial=0.0))
-    potential = bodies.law.incremental_potential(mapped.strain, strain_n, equivalent_n)
-    incremental_energy = bodies.inner(strain, reduction) / 2 + float((potential * bodies.volumes).sum())
-    energy = incremental_energy - bodies.inner(strain, outer_stress) - _contact_energy(solution, bodies.cell_area)
-    energy += bodies.inner(stress + bodies.law.twice_shear_modulus / 2 * residual, residual)
-    return _State(strain, solution, mapped, residual, residual_norm, energy, incremental_energy)
 
 
 def _contact_energy(solution: Solution, cell_area: float) -> float:

@@ -36,48 +36,32 @@ from contactstudy.elasticity.eigenstrain.plane_strain_operator import (
 
 
 def antiplane_convolution(volume: Volume, moduli: Moduli) -> LayerConvolution:
-    """Return the map from plastic strain ``sqrt(2) xy`` and ``sqrt(2) yz`` (2, layers, x) to minus its stress [Pa]."""
-    edges = np.array(volume.edges) / volume.grid.cell_size[0]
-    means = 2 * moduli.shear * antiplane_means(volume.shape[1], edges)
-    # coefficients between xy and yz are odd in x, others even
-    return LayerConvolution.from_means(np.moveaxis(means, 2, 0), volume, np.array([1.0, -1.0]))
+    """Return the map from plastic strain ``sqrt(2) xy`` and ``sqrt(2) yz`` (2, layers, x) to minus its stress [Pa].
 
-
-def antiplane_means(count: int, edges: Array) -> Array:
-    """Return minus the residual stress xy or yz over 2G of unit plastic strain xy or yz, (2, 2, layers, layers, x).
-
-    It is the mean over cells of each layer by strain in each layer, at `count` offsets 0, 1, 2 ... across; offsets and
-    the `edges` of the layers are in cells. Axes are the components and then the layers of stress and of strain.
-
-    Minus the residual stress over 2G is the plastic strain less the total strain. The total strain is given by second
-    derivatives of the function N in the docstring of this module. Means over the cells of stress and sums over those of
-    strain are differences of its integrals. The integrals of ln r depend on the difference of the depths of stress and
-    source, so that a difference over the depth of the source changes their sign. Those of ln R depend on the sum. The
-    second derivatives xx and zz of ln R add up to zero, and the means of those of ``ln r / (2 pi)`` to 1 in the cell of
-    the strain and to zero in others.
+    Minus the residual stress over 2G is the plastic strain less the total strain, which is given by second derivatives
+    of the function N in the docstring of this module. Means over the cells of stress and sums over those of strain are
+    differences of its integrals. Of ln r these depend on the difference of the depths of stress and source, so that a
+    difference over the depth of the source changes their sign; of ln R they depend on the sum. The derivatives xx and zz
+    of ln R add up to zero, and the means of those of ``ln r / (2 pi)`` to 1 in the cell of the strain, to 0 in others.
     """
-    x = np.arange(-1.0, count + 1)
-    direct = _integrals(x, edges[:, None, None] - edges[:, None])
-    image = _integrals(x, edges[:, None, None] + edges[:, None])
-    thickness = np.diff(edges)[:, None, None]
+    edges = np.array(volume.edges) / volume.grid.cell_size[0]
+    x = np.arange(-1.0, volume.shape[1] + 1)
 
-    def mean(field: Array) -> Array:
-        """Return the means over cells of the function whose integral, twice over z and over x, is `field`.
+    def means(z: Array) -> Array:
+        """Return means of xz and zz (2, layers of stress, layers of strain, x) for depths `z` between the edges."""
+        change = np.diff(np.diff(np.diff(_integrals(x, z), axis=1), axis=2), n=2)
+        return change / (2 * np.pi * np.diff(edges)[:, None, None])
 
-        Axes of `field` are the edges of the layers of stress, the edges of those of strain, and x.
-        """
-        change = np.diff(np.diff(field, axis=0), axis=1)
-        return (change[..., 2:] - 2 * change[..., 1:-1] + change[..., :-2]) / thickness
-
-    (near_xz, near_zz), (far_xz, far_zz) = (
-        [mean(field) / (2 * np.pi) for field in fields] for fields in (direct, image)
-    )
+    near_xz, near_zz = means(edges[:, None, None] - edges[:, None])
+    far_xz, far_zz = means(edges[:, None, None] + edges[:, None])
     identity = np.eye(len(edges) - 1)[..., None] * (x[1:-1] == 0)
-    return np.array(((far_zz - near_zz, near_xz + far_xz), (near_xz - far_xz, identity + near_zz + far_zz)))
+    blocks = np.array(((far_zz - near_zz, near_xz + far_xz), (near_xz - far_xz, identity + near_zz + far_zz)))
+    # those between xy and yz are odd in x, others even
+    return LayerConvolution.from_means(2 * moduli.shear * np.moveaxis(blocks, 2, 0), volume, np.array([1.0, -1.0]))
 
 
-def _integrals(x: Array, z: Array) -> tuple[Array, Array]:
-    """Return the second derivatives xz and zz of ``ln r``, each integrated twice over x and twice over z.
+def _integrals(x: Array, z: Array) -> Array:
+    """Return the second derivatives xz and zz (2, ...) of ``ln r``, each integrated twice over x and twice over z.
 
     Polynomials of so low a degree that the differences over cells remove them are left out.
     """
@@ -85,10 +69,8 @@ def _integrals(x: Array, z: Array) -> tuple[Array, Array]:
     log = log_distance(squared)
     by_x = np.sign(x) * np.arctan2(z, np.abs(x))
     by_z = np.sign(z) * np.arctan2(x, np.abs(z))
-    return (
-        x * z * log + (z * z * by_z + x * x * by_x) / 2,
-        ((x * x - z * z) * log) / 2 + x * z * by_z,
-    )
+    xz, zz = x * z * log + (z * z * by_z + x * x * by_x) / 2, (x * x - z * z) * log / 2 + x * z * by_z
+    return np.stack((xz, zz))
 
 
 # A wave with wave number k along the length decays across like exp(-k |x|). The period across is so long that its
@@ -122,11 +104,11 @@ class PeriodicOperator:
 
     def negative_residual_stress(self, strain: Array) -> Array:
         """Return minus the deviatoric residual stress (5, layers, x, y) [Pa] of plastic `strain`."""
-        return self._from_strain(strain, Components.DEVIATOR, -1.0)
+        return -self._from_strain(strain, Components.DEVIATOR)
 
     def residual_stress_tensor(self, strain: Array) -> Array:
         """Return the residual stress (6, layers, x, y) [Pa] of plastic `strain` without pressure."""
-        return self._from_strain(strain, Components.TENSOR, 1.0)
+        return self._from_strain(strain, Components.TENSOR)
 
     def stress_of_pressure(self, pressure: Array) -> Array:
         """Return the deviatoric stress (5, layers, x, y) [Pa] under `pressure` (x, y) [Pa]."""
@@ -155,25 +137,20 @@ class PeriodicOperator:
         blocks[:, :3, :3] = self._plane.diagonal_blocks / ny
         blocks[:, 3:, 3:] = self._antiplane.diagonal_blocks / ny
         for group in self._groups:
-            blocks += group.waves.diagonal_blocks(group.fractions / ny)
+            # a wave represents its complex conjugate too, but for the shortest of an even number of cells
+            numbers = np.where(2 * group.waves.orders == ny, 1, 2)
+            blocks += group.waves.diagonal_blocks(numbers / (group.waves.period * ny))
         return blocks
 
-    def _from_strain(self, strain: Array, components: Components, sign: float) -> Array:
-        """Return the `components` of the residual stress of `strain`, times `sign`."""
+    def _from_strain(self, strain: Array, components: Components) -> Array:
+        """Return the `components` of the residual stress of `strain`."""
         layers, across, ny = self.volume.shape
-        plane = strain[:3].mean(axis=-1, keepdims=True)
+        mean = self._plane.residual_stress_tensor(strain[:3].mean(axis=-1, keepdims=True))
+        mean[[5, 3], ..., 0] = -self._antiplane(strain[3:].mean(axis=-1)) / 2**0.5
         along = np.zeros((len(components.value), layers, across, ny // 2 + 1), dtype=np.complex128)
-        shear = -sign * ny * self._antiplane(strain[3:].mean(axis=-1))
-        if components is Components.TENSOR:
-            along[..., :1] = (sign * ny) * self._plane.residual_stress_tensor(plane)
-            along[5, ..., 0], along[3, ..., 0] = shear / 2**0.5
-        else:
-            along[:3, ..., :1] = (-sign * ny) * self._plane.negative_residual_stress(plane)
-            along[3:, ..., 0] = shear
+        along[..., :1] = ny * np.tensordot(components.matrix, mean, 1)
         for group, waves in self._grouped(strain):
-            stress = group.waves.stress(waves, components)
-            stress *= sign
-            self._write(stress, group, along)
+            self._write(group.waves.stress(waves, components), group, along)
         return self._transformed_back(along)
 
     def _from_traction(
@@ -188,7 +165,7 @@ class PeriodicOperator:
         along = np.zeros((5, layers, across, ny // 2 + 1), dtype=np.complex128)
         along[:3, ..., :1] = of_mean(ny * values.mean(axis=-1, keepdims=True))
         for group in self._groups:
-            around = np.zeros((group.period, waves[:, group.orders].shape[1]), dtype=np.complex128)
+            around = np.zeros((group.waves.period, len(group.waves.orders)), dtype=np.complex128)
             around[group.around_window] = waves[group.window, group.orders]
             around = fft.fft(around, axis=0, overwrite_x=True, workers=threads())
             self._write(group.waves.stress_of_traction(factor * around, traction), group, along)
@@ -213,7 +190,7 @@ class PeriodicOperator:
         along = fft.rfft(strain, axis=-1, workers=threads())
         for group in self._groups:
             orders = along[..., group.orders]
-            yield group, fft.fft(orders, group.period, axis=2, workers=threads())
+            yield group, fft.fft(orders, group.waves.period, axis=2, workers=threads())
 
     @cached_property
     def _plane(self) -> PlaneStrainOperator:
@@ -235,31 +212,28 @@ class PeriodicOperator:
 
 @dataclass(frozen=True, eq=False)
 class WaveGroup:
-    """Waves of some `orders` along the length, and all waves across that repeat after a `period` in cells.
+    """Waves of some orders along the length that are transformed together, and the cells that they reach.
 
     Attributes
     ----------
-    orders
-        Numbers of wavelengths in the grid's length.
-    period
-        Period across, in cells.
     window
         Cells of the grid across whose pressure and displacement are coupled with the volume.
-    around_window
-        Index of each cell of the window in the period across, counted from the first cell of the volume.
-    fractions
-        Weight (orders,) of each wave in the strain of one cell: 2 / period where a wave represents its complex
-        conjugate too, else 1 / period.
     waves
         Stress and displacement of the waves.
     """
 
-    orders: slice
-    period: int
     window: slice
-    around_window: NDArray[np.intp]
-    fractions: Array
     waves: Waves
+
+    @property
+    def orders(self) -> slice:
+        """Numbers of wavelengths in the grid's length, which are their places in a transform along it."""
+        return slice(int(self.waves.orders[0]), int(self.waves.orders[-1]) + 1)
+
+    @property
+    def around_window(self) -> NDArray[np.intp]:
+        """Place of each cell of the window in the period across, counted from the first cell of the volume."""
+        return (np.arange(self.window.start, self.window.stop) - self.waves.volume.first) % self.waves.period
 
 
 def _groups(volume: Volume, moduli: Moduli) -> Iterator[WaveGroup]:
@@ -276,17 +250,9 @@ def _groups(volume: Volume, moduli: Moduli) -> Iterator[WaveGroup]:
         # shorter waves decay over a shorter distance and may use the same period: below order 8 up to twice the first
         # order, and any number above, where longer transforms cost less than transforms of few orders
         count = max(1, min(TOGETHER // (layers * period), order if order < 8 else ny))
-        orders = slice(order, min(order + count, last + 1))
-        order = orders.stop
-        numbers = np.arange(float(orders.start), orders.stop)
-        yield WaveGroup(
-            orders,
-            period,
-            window,
-            (np.arange(window.start, window.stop) - volume.first) % period,
-            np.where(2 * numbers == ny, 1, 2) / period,
-            Waves(volume, moduli, numbers, period),
-        )
+        orders = np.arange(float(order), min(order + count, last + 1))
+        order += count
+        yield WaveGroup(window, Waves(volume, moduli, orders, period))
 
 
 def _odd(count: int) -> int:

@@ -1,4 +1,8 @@
-"""Preparation of measured heights: tiles, missing points, trend, periodic extension (seam) and resampling to cells."""
+"""Preparation of measured heights: tiles, missing points, trend, filter, periodic extension and resampling to cells.
+
+Heights (x, y) lie across and along the contact. The trend is the form of the part below its roughness, which is
+subtracted; the seam is the step where the two ends of a surface meet when it is repeated.
+"""
 
 from math import inf, log, pi, sqrt
 from typing import Annotated, ClassVar, Literal
@@ -58,7 +62,7 @@ class RefuseMissing:
     description: ClassVar[str] = "refused"
 
     def check(self, missing: int, points: int) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` if any point is missing."""
+        """Raise :class:`~contactstudy.InvalidInput` if any of so many `points` is `missing`."""
         if missing:
             raise InvalidInput(
                 f"MeasuredSurface.heights has {missing} missing of {points} points: fill them, or give "
@@ -87,7 +91,7 @@ class HarmonicFill:
     up_to: Annotated[validation.Number, validation.BELOW_ONE] = 0.1
 
     def check(self, missing: int, points: int) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` if more points are missing than the fraction allows."""
+        """Raise :class:`~contactstudy.InvalidInput` if more of so many `points` are `missing` than `up_to` allows."""
         if missing > self.up_to * points:
             raise InvalidInput(
                 f"MeasuredSurface.heights has {missing} missing of {points} points, a fraction of "
@@ -115,7 +119,7 @@ def _harmonic_heights(heights: Array, holes: NDArray[np.bool_]) -> Array:
     from scipy.sparse.linalg import spsolve
 
     def path(count: int) -> sparse.csr_array:
-        """Return the Laplacian of a row of so many points: at each the number of its neighbours less these."""
+        """Return the matrix of a row of points that gives for each the sum of its differences from its neighbours."""
         step = sparse.eye_array(count - 1, count, k=1) - sparse.eye_array(count - 1, count)
         return step.T @ step
 
@@ -154,9 +158,10 @@ def trend_text(trend: Trend, heights: Array, extent: tuple[float, float] | None)
 
 
 def polynomial(heights: Array, degree: int) -> tuple[Array, dict[tuple[int, int], float]]:
-    """Return the least-squares polynomial at the points of `heights` (x, y), and its coefficients by powers.
+    """Return the least-squares polynomial of a total `degree` at the points of `heights` (x, y), and its coefficients.
 
-    It is fitted to the points that are not missing.
+    The coefficients are those of u^i v^j by (i, j), where u across and v along run from -1 to 1 over the points. The
+    polynomial is fitted to the points that are not missing.
     """
     measured = np.isfinite(heights).ravel()
     x, y = (_from_middle(count) for count in heights.shape)
@@ -169,7 +174,10 @@ def polynomial(heights: Array, degree: int) -> tuple[Array, dict[tuple[int, int]
 
 
 def _cylinder(heights: Array, extent: tuple[float, float] | None) -> tuple[Array, float, float]:
-    """Return the least-squares cylinder at the points, its curvature [1/m], and its axis [degrees from the length]."""
+    """Return the least-squares cylinder at the points, its curvature [1/m], and its axis [degrees from the length].
+
+    The curvature is above 0 of a convex cylinder. A profile shows no axis, which is then along the length.
+    """
     from scipy.optimize import least_squares  # imported only where it is needed
 
     if extent is None:
@@ -188,6 +196,11 @@ def _cylinder(heights: Array, extent: tuple[float, float] | None) -> tuple[Array
     start += [across @ tilt, across[0] * tilt[1] - across[1] * tilt[0], heights.mean() / largest]
 
     def cylinder(values: Array, x: Array, y: Array) -> Array:
+        """Return heights at the points of x and y, all in units of half the largest side.
+
+        The `values` are the curvature, the angle from x of the direction u across the axis, the slope along u at the
+        origin, the slope along the axis v, and the height of the origin.
+        """
         curvature, angle, slope, rise, level = values
         angle = start[1] if 1 in heights.shape else angle  # a profile does not show its axis
         u = x[:, None] * np.cos(angle) + y * np.sin(angle)
@@ -196,11 +209,12 @@ def _cylinder(heights: Array, extent: tuple[float, float] | None) -> tuple[Array
         roots = np.maximum(root + sqrt(max(1 - slope**2, 0)), 1e-9)
         return np.asarray(level + rise * v + u * (2 * slope - curvature * u) / roots)
 
-    # of many points every n-th is fitted, some 200 a side
+    # some 200 points a side are fitted, which find the five numbers of a cylinder to far less than the roughness
     some = tuple(slice(None, None, max(1, count // 200)) for count in heights.shape)
     scaled = heights[some] / largest
 
     def misfit(values: Array) -> Array:
+        """Return how far the cylinder lies above the points that are fitted."""
         return np.asarray(cylinder(values, x[some[0]], y[some[1]]) - scaled).ravel()
 
     fit = least_squares(misfit, start, xtol=1e-14, ftol=1e-14, gtol=1e-14)
@@ -259,7 +273,11 @@ class GaussianFilter:
 
 
 def _smoothed(heights: Array, cutoff: float, steps: list[float]) -> Array:
-    """Return weighted means by ISO 16610-21: weights exp(-pi (x / (alpha cutoff))^2), alpha = sqrt(ln 2 / pi)."""
+    """Return the means of heights with the weights of ISO 16610-21, along x and then y, whose points are `steps` apart.
+
+    At the distance x the weight is exp(-pi (x / (alpha cutoff))^2), with alpha = sqrt(ln 2 / pi) and the cut-off [m]: a
+    Gaussian of the standard deviation sqrt(ln 2 / 2) cutoff / pi.
+    """
     from scipy.ndimage import gaussian_filter1d  # imported only where it is needed
 
     for axis, step in enumerate(steps):

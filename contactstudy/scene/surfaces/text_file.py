@@ -279,14 +279,16 @@ HEIGHT_OR_SIDE = frozenset(("height", "höhe", "hauteur", "altura", "altezza", "
 COUNTED = re.compile(r"\s*(?:/|\bper )\s*(?:count|lsb|bit|digit|inc)\w*", re.I)
 # A number within a line, and what may be a unit after it: no word before a colon, and no "in" before another word.
 NUMBER = re.compile(r"(?<![\w.])" + NUMERAL.pattern + r"(?![\d.])")
-UNIT = re.compile(r"[\s,;\t]*[\[(]?(?!in\s+(?:\d|\w\w))([^\W\d_]+)[\])]?(?!\s*[=:]|\w|/(?!p))")
+UNIT = re.compile(r"[\s,;\t]*[\[(]?(?!in\s+(?:\d|\w\w))([^\W\d_]+)[\])]?(?!\s*[=:]|\w|/)")
+# The part of a unit that a step between points may have, "2 um/px".
+PER_PIXEL = re.compile(r"\s*/\s*(?:px|pixel|pt|point)s?\b", re.I)
 # Parts of a word of a header that are words of their own, such as "xsize" and "pixelsize".
 JOINED = re.compile(
     r"\b([xyz](?=size|pixel|length|range|unit|scale|step|spacing|calibration|res|real)|"
     r"(?:pixel|punkt|zeilen|spalten|bild|mess|scan)(?=\w{4}))"
 )
-# Words that may stand between two numbers of one statement on both axes: "2 um/px (X), 3 um/px (Y)", "2 um by 3 um".
-BETWEEN = frozenset(("x", "y", "by", "px", "pixel"))
+# Words that may stand between two numbers of one statement on both axes: "2 um (X), 3 um (Y)", "2 um by 3 um".
+BETWEEN = frozenset(("x", "y", "by"))
 
 
 @dataclass
@@ -331,7 +333,7 @@ class Header:
         """Return what the `lines` around a table of the `shape` (rows, columns) state."""
         header = cls()
         for line in lines:
-            line = line.replace('"', " ")
+            line = PER_PIXEL.sub("", line.replace('"', " "))
             words = _words(line)
             if len(_axes(words)) == 1 or words & WORDS_OF["times"]:  # one number with a decimal comma
                 line = re.sub(r"(?<=\d),(?=\d)", ".", line)
@@ -360,9 +362,11 @@ class Header:
         """Take up each number of a line under the words before it, and a unit without a number at its end.
 
         "bit2nm" is the factor of BCR files. Arrows are those of "factor (-> m)". Of two numbers of which the second has
-        no words of its own, the first is that of x and the second that of y.
+        no words of its own, the first is that of x and the second that of y, unless the line names y first.
         """
         line, counted = COUNTED.subn("", re.sub(r"\bbit2(\w+)", r"z factor [\1]", line))
+        letters = re.findall(r"\b[XYxy]\b", re.split(r"\d", line)[0]) or re.findall(r"\(([XYxy])\)", line)
+        order = "yx" if letters and letters[0] in "Yy" else "xy"
         statements: list[tuple[frozenset[str], float, float | None]] = []
         end = 0
         for number in NUMBER.finditer(line):
@@ -376,8 +380,8 @@ class Header:
             if statements and words <= BETWEEN and key != ",":
                 before, first, first_unit = statements[-1]
                 if len(_axes(before)) != 1 or (_axes(before) == ["x"] and "y" in words):
-                    statements[-1] = before - {"y"} | {"x"}, first, first_unit or unit
-                    words = before - {"x"} | {"y"}
+                    statements[-1] = before - {order[1]} | {order[0]}, first, first_unit or unit
+                    words = before - {order[0]} | {order[1]}
             statements.append((words, float(number[0].lower().replace("d", "e")), unit))
         for statement in statements:
             self._take(*statement, shape)

@@ -73,6 +73,8 @@ DECIMAL_COMMAS = "\n".join(f"{abs(z):.4f}".replace(".", ",") for z in MAP.ravel(
         ("nx: 9\nny: 12\nX spacing 4 um\nY spacing 2 um\nUnit: um\n" + matrix("\n"), None),
         ("Horizontal pixel size: 4 µm\nVertical pixel size: 2 µm\nZ resolution: 1 nm\nUnit: µm\n" + matrix(), None),
         ("Pixel size X/Y: 4 µm / 2 µm\nUnit: µm\n" + matrix(), None),
+        ("Size (y, x): 24 µm, 36 µm\nUnit: µm\n" + matrix(), None),
+        ("Objective: 50x\nX-Resolution (µm/px): 4,0\nY-Resolution (µm/px): 2\nUnit: µm\n" + matrix(), None),
         ("IMAGE SIZE: 36 µm by 24 µm\nFaktor: 0,001\nUnit: µm\n" + matrix(scale=1e3), None),
         ("Lateral calibration: 4 µm/px (X), 2 µm/px (Y)\nUnit: µm\n" + matrix(), None),
         ("Slow axis size: 24 µm\nFast axis size: 36 µm\nUnit: µm\n" + matrix(), None),

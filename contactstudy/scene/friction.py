@@ -1,4 +1,8 @@
-"""Friction and wear: full sliding by Coulomb's law, partial slip under tangential forces or displacements (fretting)."""
+"""Friction and wear: full sliding by Coulomb's law, partial slip under tangential forces or displacements (fretting).
+
+Rolling with friction stands in :mod:`~contactstudy.scene.rolling`. Tangential traction acts along x, as it does on the
+first body. Two bodies are elastically *similar* if it never changes the gap between them (Dundurs' beta of zero).
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -294,8 +298,9 @@ class Fretting:
             raise InvalidInput(
                 "Fretting.forces and Fretting.displacements are both given or both None: give one of them."
             )
-        name = "forces" if self.displacements is None else "displacements"
-        values = getattr(self, name)
+        name, values = "forces", self.forces
+        if values is None:
+            name, values = "displacements", self.displacements or ()
         if not values:
             raise InvalidInput(f"Fretting.{name} is (): give some, such as (1e4, -1e4, 1e4).")
         for given in ("times", "bulk_stresses"):
@@ -312,11 +317,8 @@ class Fretting:
     @property
     def history(self) -> "FrettingHistory | None":
         """Forces [N/m] or displacements [m] over time; None without times."""
-        if self.times is None:
-            return None
-        values = self.displacements if self.forces is None else self.forces
-        assert values is not None
-        return FrettingHistory(self.times, values)
+        values = self.forces or self.displacements or ()
+        return None if self.times is None else FrettingHistory(self.times, values)
 
     @classmethod
     def cycle(cls, coefficient: float, amplitude: float, steps: int = 1, bulk_stress: float = 0.0) -> "Fretting":

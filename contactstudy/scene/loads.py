@@ -438,7 +438,11 @@ def loads_between(load: ChangingLoad, start: float, end: float) -> list[float]:
     return [value for time in turns for value in (load.before(time), load.at(time))] + [load.before(end)]
 
 
+def turning_values(load: ChangingLoad) -> list[float]:
+    """Return the loads [N/m] between which `load` only rises or falls, up to its end; from there it repeats or stays."""
+    return [load.at(load.start), *loads_between(load, load.start, load.end), load.at(load.end)]
+
+
 def falls(load: ChangingLoad) -> bool:
-    """Return whether `load` falls at any time, up to its end, after which it repeats or is held."""
-    values = [load.at(load.start), *loads_between(load, load.start, load.end)]
-    return any(later < earlier for earlier, later in pairwise([*values, load.at(load.end)]))
+    """Return whether `load` falls at any time."""
+    return any(later < earlier for earlier, later in pairwise(turning_values(load)))

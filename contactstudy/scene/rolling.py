@@ -14,7 +14,7 @@ from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.validation import InvalidInput, at_least, validated
 from contactstudy.elasticity.tangential import shear_response
 from contactstudy.scene import friction
-from contactstudy.scene.loads import ChangingLoad, PiecewiseLinear, loads_between
+from contactstudy.scene.loads import ChangingLoad, PiecewiseLinear, turning_values
 from contactstudy.scene.shapes.shape import LengthScales, Shape, gap_of, length_scales_of
 from contactstudy.scene.solids.bodies import SceneContext
 from contactstudy.scene.solids.inelastic import rolling_bodies
@@ -161,10 +161,12 @@ class TractiveRolling:
     def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if steady rolling is not defined in this scene."""
         friction.shearable(scene.solids)
+        least = scene.largest_load
         if isinstance(scene.load, ChangingLoad):
             check_slow("TractiveRolling", self.speed, scene.load, scene.hertz)
+            least = min(turning_values(scene.load))
         self._refuse_endless(_rollers(scene))
-        friction.check_force(scene, self, _least(scene), "less, or a longitudinal creepage")
+        friction.check_force(scene, self, least, "less, or a longitudinal creepage")
 
     def solver(self, scene: SceneContext, grid: Grid, paddings: Paddings, datum: float) -> TractiveShear:
         """Return the solver of this scene on a grid.
@@ -209,12 +211,3 @@ def _rollers(scene: SceneContext) -> list[Shape]:
     """Return the shapes that may end or crown a roller."""
     unknown = LengthScales(roller=inf)  # taken for a shape that does not name its length scales
     return [s for s in scene.shapes if getattr(s, "length_scales", unknown).roller]
-
-
-def _least(scene: SceneContext) -> float:
-    """Return the least load [N/m]."""
-    load = scene.load
-    if not isinstance(load, ChangingLoad):
-        return scene.largest_load
-    ends = load.at(load.start), load.at(load.end)
-    return min(*ends, *loads_between(load, load.start, load.end))

@@ -39,11 +39,12 @@ if TYPE_CHECKING:
     from contactstudy.answers.lubricated_contact import LubricatedContact
 
 
+# Doubt about a flat under a mean pressure whose padding is periodic, and given along the length alone.
 ONE_PADDING = (
     "padding is that along the length alone, and leaves the surface free across, as if it ended there: leave it out, or "
     'give padding_across = "ExactPeriodicity" too.'
 )
-# Tables of a file beside its scene, by the fields of a scene file.
+# Fields of a :class:`SceneFile` that hold tables of a file beside its scene, by the names of the tables.
 SETTINGS = {"plan": "plan_settings", "solve": "options", "time_steps": "time_steps"}
 # A key and a number with a unit that is not in quotes.
 BARE_UNIT = re.compile(r"\s*([\w.]+)\s*=\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?\s*[^\W\d][^#\"']*|[\d.]+\s*%)\s*(?:#.*)?")

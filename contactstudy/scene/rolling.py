@@ -98,6 +98,7 @@ def check_slow(name: str, speed: float, load: ChangingLoad, hertz: HertzLine | N
         )
 
 
+# Warning of traction under heights that vary across, which a real surface would carry through the contact.
 STATIONARY_HEIGHTS = "The heights are fixed in the frame of the contact: traction under moving heights is not computed."
 
 

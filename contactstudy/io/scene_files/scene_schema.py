@@ -1,4 +1,10 @@
-"""Keys of a scene file and their types: what :func:`~contactstudy.read_scene` can read; and its table of materials."""
+"""Keys of a scene file and their types, which :func:`~contactstudy.read_scene` reads, and the table of materials.
+
+Most tables of a file have the fields of the class that they describe as keys. Where a file says more, or otherwise, a
+class here has its keys, and its method ``described(folder, context)`` returns what they describe: paths of files start
+at the `folder` of the scene file, and the `context` is the sum of the curvatures [1/m] of the scene's shapes, and both
+bodies.
+"""
 
 import re
 import tomllib
@@ -145,7 +151,7 @@ def with_materials(table: Mapping[str, Any]) -> dict[str, Any]:
     return dict(table) | {"solids": [solid(entry, f"solids[{n}]") for n, entry in enumerate(solids)]}
 
 
-# Curvature [1/m] and bodies of the scene to which a shape belongs.
+# Sum of the curvatures [1/m] of the shapes, and the bodies, of the scene to which a shape belongs.
 ProfileContext = tuple[float, tuple[Body, Body]]
 
 
@@ -415,7 +421,7 @@ def shape_of(shape: Any, folder: Path, context: ProfileContext) -> Shape:
     return described
 
 
-# End of the name of a class that describes a shape in a file where its keys are not the fields of the shape.
+# End of the name of a class that has the keys of a shape in a file where these are not the fields of the shape.
 TABLE = "Table"
 
 

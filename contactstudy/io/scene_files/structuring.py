@@ -1,8 +1,8 @@
-"""Nested tables of a file as frozen dataclasses: which keys a table has, and which class it describes.
+"""Nested tables of a scene file as frozen dataclasses, and a scene as tables in TOML.
 
-Numbers and texts in it are checked, and converted to SI units, by the annotations of the fields. Before that, times in
-cycles are converted to seconds; beside it, numbers are found that are likely in another unit than SI. A *kind* is the
-class that a table describes where there are several, as the shapes of a scene.
+A table describes a class, whose fields are its keys. Where there are several, as of the shapes of a scene, the class is
+called its *kind*. Numbers and texts are checked, and converted to SI units, by the annotations of the fields. Before
+that, times in cycles are converted to seconds; beside it, numbers are found that are likely in another unit than SI.
 """
 
 import re
@@ -327,12 +327,16 @@ def _tables(grid: Grid | None, padding: Padding | Paddings | None, settings: Map
 
 
 def _toml(table: Mapping[str, object]) -> str:
+    """Return tables as TOML; raises InvalidInput where the package for it is missing."""
     tomli_w = import_for("contactstudy.write_scene", "tomli_w")
     return str(tomli_w.dumps(table))
 
 
 def _fields(value: Any, name: str, scene_path: Path | None) -> dict[str, Any]:
-    """Return the fields of a dataclass that are not at their default."""
+    """Return the fields of a dataclass that are not at their default, as types of TOML by their names.
+
+    Messages call the dataclass by its `name`; heights of surfaces are written beside `scene_path`.
+    """
     return {
         member.name: _toml_value(getattr(value, member.name), f"{name}.{member.name}", scene_path)
         for member in fields(value)
@@ -358,7 +362,7 @@ def _toml_value(value: object, name: str, scene_path: Path | None = None) -> Any
 
 
 def _measured_surface_table(surface: MeasuredSurface, name: str, scene_path: Path | None) -> dict[str, Any]:
-    """Return a measured surface as a table that names its file."""
+    """Return a measured surface as a table that names its file, which is written beside `scene_path` if there is none."""
     table: dict[str, Any] = {"kind": "MeasuredSurface"}
     if surface.file is not None:
         table["file"] = surface.file

@@ -118,7 +118,7 @@ def length_scales_of(shapes: Iterable[Shape]) -> list[LengthScales]:
     return [shape.length_scales for shape in shapes if hasattr(shape, "length_scales")]
 
 
-# Angle [rad] of a roller beyond which its ends leave the half-space.
+# Largest angle [rad] of a tilt: slopes must be small in the theory of half-spaces.
 MAX_ANGLE = 0.1
 Angle = Annotated[Radians, Limits(f"between -{MAX_ANGLE:g} and {MAX_ANGLE:g} rad", lambda x: abs(x) <= MAX_ANGLE)]
 

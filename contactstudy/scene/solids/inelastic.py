@@ -106,7 +106,11 @@ class RollingHalfSpace:
         return self.body.compliance
 
     def compliance_at(self, half_width: float) -> float:
-        """Return the compliance [1/Pa] for waves of the length of a contact of `half_width` [m]."""
+        """Return the compliance [1/Pa] in a contact of `half_width` a [m], for the scales of a problem.
+
+        It is that in phase with a wave ``exp(i x / a)`` of pressure at rest in the contact: each retarded part of the
+        creep function with the time tau, over ``1 + (V tau / a)^2``.
+        """
         ratios = ((size, self.speed * time / half_width) for size, time in self.body.creep.terms)
         return self.compliance + sum(size / (1 + ratio**2) for size, ratio in ratios)
 

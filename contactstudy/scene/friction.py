@@ -467,19 +467,23 @@ class Wear:
         """Raise :class:`~contactstudy.InvalidInput` if the motion of `scene` gives another sliding or turning."""
         film, drives = scene.lubrication, getattr(scene.friction, "is_steady", False)
         standing = getattr(scene.friction, "standing", None)
-        turns = self.circumference is not None or drives or scene.rolling is not None
-        why = "Scene.rolling" if standing is None and not drives else "Scene.friction"
-        if standing is not None:
-            turns = standing != self.body
+        # whether the wearing body turns, and by what; the circumference says it where nothing else does
+        turns, by = self.circumference is not None, ""
         if film is not None:
-            turns, why = film.contact_speeds[self.body] != 0, "Scene.lubrication"
-        if turns != (self.circumference is not None):
-            problem = (
-                f"None, and the wearing body turns by {why}, so that it wears alike all round: give its circumference"
-                if turns
-                else f"{self.circumference!r}, and the wearing body does not turn: leave it out"
+            turns, by = film.contact_speeds[self.body] != 0, "Scene.lubrication"
+        elif drives or standing is not None:
+            turns, by = drives or standing != self.body, "Scene.friction"
+        elif scene.rolling is not None:
+            turns, by = True, "Scene.rolling"
+        if turns and self.circumference is None:
+            raise InvalidInput(
+                f"Wear.circumference is None, and the wearing body turns by {by}, so that it wears alike all round: "
+                "give its circumference."
             )
-            raise InvalidInput(f"Wear.circumference is {problem}.")
+        if not turns and self.circumference is not None:
+            raise InvalidInput(
+                f"Wear.circumference is {self.circumference!r}, and the wearing body does not turn: leave it out."
+            )
         slips = film is not None or drives or getattr(scene.friction, "times", None) is not None
         if self.speed == 0 and not slips:
             raise InvalidInput(

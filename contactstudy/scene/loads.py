@@ -227,12 +227,10 @@ class PiecewiseLinear:
         return self.times[-1]
 
     def breaks(self, end: float) -> tuple[float, ...]:
-        """Return the instants [s] up to `end`."""
+        """Return the instants [s] up to `end`, between which the values only rise or only fall."""
         return tuple(sorted({time for time in self.times if time <= end}))
 
-    def turning_points(self, end: float) -> tuple[float, ...]:
-        """Return the instants [s] up to `end`, between which the values only rise or only fall."""
-        return self.breaks(end)
+    turning_points = breaks
 
     def before(self, time: float) -> float:
         """Return the value just before `time` [s]; zero up to the first instant."""

@@ -289,33 +289,31 @@ class LundbergProfileTable:
 
     def described(self, _folder: Path, context: ProfileContext) -> roller.LundbergProfile:
         """Return the profile; one for a load needs the curvature and the bodies of the scene."""
-        drops = self.amplitude, self.end_drop
-        ways = [drops != (None, None), self.for_load is not None, self.iso_16281_diameter is not None]
-        if sum(ways) != 1 or (ways[0] and None in drops):
+        ways = [name for name in ("amplitude", "for_load", "iso_16281_diameter") if getattr(self, name) is not None]
+        if len(ways) != 1 or (self.amplitude is None) != (self.end_drop is None):
             raise InvalidInput(
                 "LundbergProfile must be described in exactly one way: give amplitude and end_drop, for_load (the load "
                 "per length that it spreads evenly), or iso_16281_diameter."
             )
         if self.for_load is None and (self.k1, self.k2, self.z_m) != (1.0, 1.0, None):
             raise InvalidInput("LundbergProfile.k1, k2 and z_m modify a profile for a load: give for_load.")
-        if self.straight and not ways[0]:
+        if self.straight and self.amplitude is None:
             remedy = "leave it out, the straight part follows from for_load or iso_16281_diameter"
             raise InvalidInput(f"LundbergProfile.straight is {self.straight!r}: {remedy}.")
-        if self.iso_16281_diameter is not None:
+        if self.amplitude is not None and self.end_drop is not None:
+            return roller.LundbergProfile(self.amplitude, self.end_drop, self.length, self.straight)
+        if self.for_load is None:
+            assert self.iso_16281_diameter is not None
             return roller.LundbergProfile.iso_16281(self.iso_16281_diameter, self.length)
-        if self.for_load is not None:
-            curvature, solids = context
-            if curvature <= 0:
-                raise InvalidInput("LundbergProfile.for_load is for a round roller: give a Cylinder.")
-            modulus = hertz_line(self.for_load, 1 / curvature, solids).contact_modulus  # of a coat, by the half-width
-            even = roller.LundbergProfile.for_load(
-                self.for_load, contact_modulus=modulus, radius=1 / curvature, length=self.length
-            )
-            drop = even.end_drop if self.z_m is None else self.z_m
-            return roller.LundbergProfile(self.k1 * even.amplitude, drop, self.length, (1 - self.k2) * self.length)
-        assert self.amplitude is not None
-        assert self.end_drop is not None
-        return roller.LundbergProfile(self.amplitude, self.end_drop, self.length, self.straight)
+        curvature, solids = context
+        if curvature <= 0:
+            raise InvalidInput("LundbergProfile.for_load is for a round roller: give a Cylinder.")
+        modulus = hertz_line(self.for_load, 1 / curvature, solids).contact_modulus  # of a coat, by the half-width
+        even = roller.LundbergProfile.for_load(
+            self.for_load, contact_modulus=modulus, radius=1 / curvature, length=self.length
+        )
+        drop = even.end_drop if self.z_m is None else self.z_m
+        return roller.LundbergProfile(self.k1 * even.amplitude, drop, self.length, (1 - self.k2) * self.length)
 
 
 @dataclass(frozen=True)

@@ -362,7 +362,7 @@ def _toml_value(value: object, name: str, scene_path: Path | None = None) -> Any
 
 
 def _measured_surface_table(surface: MeasuredSurface, name: str, scene_path: Path | None) -> dict[str, Any]:
-    """Return a measured surface as a table that names its file, which is written beside `scene_path` if there is none."""
+    """Return a measured surface as a table that names its file; without one it is written beside `scene_path`."""
     table: dict[str, Any] = {"kind": "MeasuredSurface"}
     if surface.file is not None:
         table["file"] = surface.file

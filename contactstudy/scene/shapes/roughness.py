@@ -46,11 +46,6 @@ class Dimple:
     diameter: validation.Metres
     profile: Profile = "parabolic"
 
-    @property
-    def size(self) -> float:
-        """Diameter [m]."""
-        return self.diameter
-
 
 @validated
 class Groove:
@@ -69,11 +64,6 @@ class Groove:
     depth: Annotated[validation.Metres, validation.AT_LEAST_ZERO]
     width: validation.Metres
     profile: Profile = "cosine"
-
-    @property
-    def size(self) -> float:
-        """Width [m]."""
-        return self.width
 
 
 @validated
@@ -103,16 +93,21 @@ class Texture:
         """Check that features have the pitches of their kind, and do not overlap."""
         pitch = self.pitch
         finite_pitches = 2 if isinstance(self.feature, Dimple) else 1
-        if sum(distance < inf for distance in pitch) != finite_pitches or self.feature.size > min(pitch):
+        if sum(distance < inf for distance in pitch) != finite_pitches or self.feature_size > min(pitch):
             raise InvalidInput(
                 f"Texture.pitch is {pitch!r}: give two pitches for dimples, one and inf for grooves, of at least "
-                f"{self.feature.size!r} m, the size of the feature, so that none overlap."
+                f"{self.feature_size!r} m, the size of the feature, so that none overlap."
             )
+
+    @property
+    def feature_size(self) -> float:
+        """Diameter of a dimple, or width of a groove [m]."""
+        return self.feature.diameter if isinstance(self.feature, Dimple) else self.feature.width
 
     @property
     def area_density(self) -> float:
         """Textured fraction of the surface: ``pi d^2 / 4`` over the cell of the lattice, or a width over its pitch."""
-        across, along = (self.feature.size / pitch for pitch in self.pitch)
+        across, along = (self.feature_size / pitch for pitch in self.pitch)
         return pi / 4 * across * along if isinstance(self.feature, Dimple) else max(across, along)
 
     @property
@@ -120,7 +115,7 @@ class Texture:
         """Length scales, since features, and the lands between them, are as fine as they are wide."""
         if self.feature.depth == 0:
             return LengthScales()
-        size, (across, along) = self.feature.size, self.pitch
+        size, (across, along) = self.feature_size, self.pitch
         finest = _narrowest(size, across), _narrowest(size, along)
         return LengthScales(finest, _finite(along), period_across=_finite(across))
 
@@ -132,7 +127,7 @@ class Texture:
             return no_gap(grid)
         y = grid.y if along < inf else np.zeros(1)
         distance = np.hypot(_from_nearest(grid.x, across)[:, None], _from_nearest(y, along))
-        t = distance / (self.feature.size / 2)
+        t = distance / (self.feature_size / 2)
         depth = self.feature.depth * flank(self.feature.profile, np.minimum(t, 1))
         return np.where(t < 1, depth, 0.0)
 
@@ -372,34 +367,30 @@ class Roughness:
         """
         if not self.rms:
             return no_gap(grid)
-        waves, (kx, ky) = self._waves(grid)
-        nx, ny = grid.cells
-        if self.extent is not None and self.extent[0] != grid.extent[0]:
+        extent, (nx, ny) = self.extent or grid.extent, grid.cells
+        whole_quotient("Roughness.extent[1]", extent[1], grid.length)
+        # half the plane of waves (across, along); the other half is conjugate, since heights are real
+        waves = cached_array((self, extent), partial(self._amplitudes, extent))
+        kx, ky = self._wave_numbers(extent)
+        if extent[0] != grid.extent[0]:
             from scipy.signal import czt  # imported late, since it is slow
 
-            # the points are no fraction of the surface's width
-            turn = 2j * np.pi / self.extent[0]
+            # the cells are no fraction of the surface's width: a chirp z-transform across in place of a fast one
+            turn = 2j * np.pi / extent[0]
             rows = czt(waves, nx, np.exp(turn * grid.cell_size[0]), np.exp(-turn * grid.x[0]), axis=0)
             rows *= np.exp(2j * np.pi * kx[0] * grid.x)[:, None]
         else:
-            # with the phase of every wave at the first cell's centre
+            # the phase of every wave is that at the first cell's centre
             waves = waves * np.exp(2j * np.pi * kx * grid.x[0])
             rows = fft.ifft(_folded(waves, kx * grid.extent[0], nx), axis=0, norm="forward")
         rows *= np.exp(2j * np.pi * ky * grid.y[0])
-        # the heights are real: the upper half of the waves is the lower half, conjugate
+        # waves along are summed onto those that the cells tell apart, the upper half of which is conjugate to the lower
         columns = np.round(ky * grid.length).astype(int).ravel() % ny
         upper = columns > ny // 2
         rows[:, upper] = rows[:, upper].conj()
         half = _folded(rows.T, np.where(upper, ny - columns, columns), ny // 2 + 1)
         half[1 : (ny + 1) // 2] /= 2
         return np.asarray(fft.irfft(half.T, ny, axis=1, norm="forward"))
-
-    def _waves(self, grid: Grid) -> tuple[np.ndarray, tuple[Array, Array]]:
-        """Return complex amplitudes [m] of half the plane of waves, and their wave numbers [1/m]."""
-        extent = self.extent or grid.extent
-        whole_quotient("Roughness.extent[1]", extent[1], grid.length)
-        amplitudes = cached_array((self, extent), partial(self._amplitudes, extent))
-        return amplitudes, self._wave_numbers(extent)
 
     def _wave_numbers(self, extent: tuple[float, float]) -> tuple[Array, Array]:
         """Return the wave numbers [1/m] of half the plane of waves, across (x, 1) and along (1, y)."""

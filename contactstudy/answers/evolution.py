@@ -1,4 +1,8 @@
-"""The answer for a scene that changes in time, or rolls repeatedly: a sequence of answers with times."""
+"""The answer for a scene that changes in time, or rolls repeatedly: a sequence of answers (frames) with times.
+
+A frame is the answer for one instant, or after one pass. Bounds of its errors by the cells are known at once for some
+methods; those of others, and of numbers of the whole evolution, follow from the same evolution on coarser cells.
+"""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -31,7 +35,8 @@ if TYPE_CHECKING:
     from contactstudy.evolution.repeated_rolling import RepeatedRolling
     from contactstudy.evolution.trajectory import Frame, Trajectory
 
-Instant = TypeVar("Instant", "Contact", "LubricatedContact")
+# A frame: a dry contact, or a film.
+Frames = TypeVar("Frames", "Contact", "LubricatedContact")
 
 NO_BOUND_OF_PASSES = (
     "No bound: the discretisation error of repeated rolling is not estimated. It is of first order in the cell width: "
@@ -169,7 +174,7 @@ class Evolution(Answer):
 
     @cached_property
     def _plastic_fields(self) -> Mapping[str, Field]:
-        """Strain and residual stress (time, component, z, x, y) of bodies that yield, at the last instant."""
+        """Strain and residual stress (time, component, z, x, y) of bodies that yield, by name, at the last instant."""
         if self.trajectory is not None and self.trajectory.coupled is not None:
             last_frame = self.trajectory.frames[-1]
             return self.trajectory.coupled.over_time([last_frame.coupled_state])
@@ -177,7 +182,7 @@ class Evolution(Answer):
 
     @property
     def _zone_edge(self) -> float:
-        """Fraction of the cells (z, x) of a body's plastic zone that lie at its edge; the largest of all bodies.
+        """Fraction of the cells of a body's plastic zone that lie at the edge of the zone; the largest of all bodies.
 
         The zone is seen along y: a cell (z, x) belongs to it that has yielded anywhere along the length.
         """
@@ -201,7 +206,10 @@ class Evolution(Answer):
         return solved_or_none(self.coarser, 2, 2)  # type: ignore[return-value]
 
     def _l1_of_films(self, known: ErrorParts) -> ErrorParts:
-        """Return the L1 error of the pressure of films at the worst instant, with a `known` error of steps."""
+        """Return the largest L1 error of the pressure of films over all instants, with a `known` error by the steps.
+
+        Where evolutions on other grids have other instants, as where one ends early, the last ones are compared.
+        """
         from contactstudy.answers.lubricated_contact import l1_of_films
 
         wider: Any = self._wider
@@ -238,7 +246,7 @@ class Evolution(Answer):
 
     @property
     def counts(self) -> Counts:
-        """Number of instants or passes, what they took, and the largest residual of their contacts."""
+        """Number of instants or passes, work that they took, and the largest residual of their contacts."""
         recorded = self.trajectory or self.films or self.passes
         assert recorded is not None
         residual = max(frame.residual for frame in self.frames)
@@ -271,7 +279,7 @@ def evolution_answer(trajectory: "Trajectory", requested: Request | None = None)
     return Evolution(tuple(frames), kept.times, posed, requested, kept)
 
 
-def _until_worn_through(scene: Scene, times: Array, frames: Iterable[Instant]) -> list[Instant]:
+def _until_worn_through(scene: Scene, times: Array, frames: Iterable[Frames]) -> list[Frames]:
     """Return the answers at instants, `times` [s], up to the first with the coating worn through, whose status says so.
 
     Where the coating is thinner than at first, the errors have no bound, since its response is that of its first
@@ -280,7 +288,7 @@ def _until_worn_through(scene: Scene, times: Array, frames: Iterable[Instant]) -
     body = 0 if scene.wear is None else scene.wear.body
     solid = scene.solids[body]
     thickness = getattr(solid, "thickness", inf) if getattr(solid, "interfaces", ()) else inf
-    kept: list[Instant] = []
+    kept: list[Frames] = []
     for number, frame in enumerate(frames):
         worn = frame.state.get("wear_depth")
         deepest = 0.0 if worn is None else float(worn.values.max())
@@ -296,7 +304,7 @@ def _until_worn_through(scene: Scene, times: Array, frames: Iterable[Instant]) -
     return kept
 
 
-def _unbounded(frame: Instant, reason: str) -> Instant:
+def _unbounded(frame: Frames, reason: str) -> Frames:
     """Return an answer whose errors have no bound, for a reason."""
     parts: dict[str, Any] = {name: replace(part, discretisation=inf, reason=reason) for name, part in frame.error}
     warnings = reason, *frame.error.warnings
@@ -324,9 +332,9 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
 
 
 def _with_steps(contact: Contact, by_steps: Mapping[str, float]) -> Contact:
-    """Return a contact that has worn with its relative time-discretisation errors by quantity added to its errors.
+    """Return a contact that has worn with its relative time-discretisation errors `by_steps`, by quantity, added.
 
-    Quantities without one, such as gap, approach and stress, which depend on the wear depth itself, have no bound.
+    Quantities without such an error, as gap, approach and stress, which depend on the wear depth itself, have no bound.
     """
     estimate = contact.error
     unknown = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_STATES)

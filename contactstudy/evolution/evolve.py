@@ -445,7 +445,7 @@ def evolve(
     breakpoints = schedule(
         load,
         times,
-        kinks=load.turning_points(end) if stepper.depends_on_path else (),
+        turns=load.turning_points(end) if stepper.depends_on_path else (),
         history=scene.friction.history if isinstance(scene.friction, Fretting) else None,
         # steps of whole periods would meet the load at the same place of each, and not see that it changes
         longest=getattr(load, "period", inf) / PER_PERIOD if keeps_states else inf,
@@ -460,10 +460,9 @@ def evolve(
     if folder is None:
         march.run()
     else:
-        checkpoint = Checkpoint(Path(folder))
         instants = tuple(np.asarray(times, float).ravel().tolist())
         request = scene, grid, padding, instants, error, error_estimator, scheme, options
-        with checkpoint.open(request):
+        with Checkpoint.open(Path(folder), request) as checkpoint:
             _run_in(checkpoint, march, steps)
     return Trajectory(tuple(march.results), march.at.total, PosedScene(scene, grid, padding), stepper.coupled)
 

@@ -1,9 +1,12 @@
 """Lubricated contact in time: histories of load and speed, and surfaces that move through it.
 
-The squeeze term is a backward difference over two steps (BDF2 with steps of varying length), and each step is solved by
-the iteration of a steady film. It starts from a predictor, the polynomial through the last instants, three at most. The
-difference between predictor and solution estimates the error of the step (Gear 1971), and a second evolution with steps
-twice as long the error at an instant.
+The film satisfies the Reynolds equation with the squeeze term, the rate of the lubricant content. That is a backward
+difference over two steps (BDF2 with steps of varying length), and each step is solved by the iteration of a steady
+film. It starts from a predictor, the polynomial through the last instants, three at most. The difference between
+predictor and solution estimates the error of the step (Gear 1971, Numerical Initial Value Problems in Ordinary
+Differential Equations), and a second evolution with steps twice as long the error at an instant.
+
+Times with the unit a / u_m are over that in which the largest mean speed u_m passes Hertz's half-width a.
 """
 
 from collections import Counter
@@ -38,22 +41,27 @@ from contactstudy.scene.loads import ChangingLoad
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Counts, Status
 
-# Time-discretisation error over the largest difference to an evolution with steps twice as long.
+# Time-discretisation error over the largest difference to an evolution with steps twice as long. By second order it
+# would be a third; waves that pass in a dozen steps have more.
 ERROR_OVER_DIFFERENCE = 1.5
 # Statuses of a film whose errors are infinite.
 FAILED = (Status.FILM_NOT_CONVERGED, Status.NOT_CONVERGED)
-# First step, over the time in which the mean speed passes a cell; and the first step in pseudo-time [a / u_m], so long
-# that it is Newton's. The constants of steps were chosen on waves that pass in 12 to 96 steps.
-FIRST, PSEUDO_TIME_STEP = 0.5, 1e6
-# Error of a step of BDF2 over the difference to a quadratic through three instants (Gear 1971, equal steps), and the
-# least thickness of a predicted film over that at the last instant.
-ERROR_OF_STEP, MIN_FILM_FRACTION = 2 / 11, 0.3
+# First step, over the time in which the mean speed passes a cell. The constants of steps were chosen on waves that pass
+# in 12 to 96 steps.
+FIRST = 0.5
+# Step in pseudo-time [a / u_m] of the iteration of a step in time, so long that it is Newton's.
+PSEUDO_TIME_STEP = 1e6
 # Most iterations of a step. A step takes a few; one that takes more is tried again with a shorter length.
 MAX_ITERATIONS = 60
-# Farthest motion of a moving shape in a step, over Hertz's half-width, so that none passes the contact unseen, and
-# least steps in a period of the load.
-LONGEST_MOTION, PER_PERIOD = 0.5, 4
-# Numbers that may have their extremes between recorded instants: names and attributes of a film.
+# Error of a step of BDF2 over the difference to a quadratic through three instants (Gear 1971, for equal steps).
+ERROR_OF_STEP = 2 / 11
+# Least thickness of a predicted film over that at the last instant: a thinner one is no film to begin with.
+MIN_FILM_FRACTION = 0.3
+# Farthest motion of a moving shape in a step, over Hertz's half-width, so that none passes the contact unseen.
+LONGEST_MOTION = 0.5
+# Least steps in a period of a load that repeats: at whole and at half periods a sine has the same load.
+PER_PERIOD = 4
+# Numbers that may have their extremes between recorded instants, by name: attributes of a film.
 NUMBERS = {
     "peak_pressure": "peak_pressure",
     "central_film": "central_film",
@@ -61,10 +69,9 @@ NUMBERS = {
     "friction_coefficient": "friction",
     "rolling_resistance": "rolling_resistance",
 }
-# Allowed error of a step where none is given, and where its length is given instead.
+# Allowed error of a step where neither it nor its length is given: a tenth of the default error of the pressure. And
+# where its length is given: none is rejected for its error.
 STEP_ERROR, UNLIMITED = 1e-3, 1e99
-
-
 # Work of films in time, with its meaning in words.
 WORK = {
     "steps": "steps in time",
@@ -75,7 +82,7 @@ WORK = {
 
 @dataclass(frozen=True, eq=False)
 class FilmTrajectory:
-    """Lubricated contacts at instants.
+    """Lubricated contacts at recorded instants, and what their evolution took.
 
     Attributes
     ----------
@@ -89,7 +96,8 @@ class FilmTrajectory:
         Estimates (time,) of the relative time-discretisation errors of the pressure in L1, of all steps together, from a
         second evolution with steps twice as long; infinite if one of the two failed.
     ranges
-        Lowest and highest value of numbers after each pair of steps, by name; of none where they are not known.
+        Lowest and highest value of the quantities in `NUMBERS` after all pairs of steps, by name; empty where they are
+        not known, as of films that wear.
     """
 
     times: tuple[float, ...]
@@ -236,7 +244,7 @@ def evolve_lubricated(
 
 
 class _Films(Method["_FilmStepper", Record["_FilmStepper"]]):
-    """Steps of a film, and the lowest and highest value of each of `NUMBERS` after all pairs of them."""
+    """Steps of a film. `ranges` are the lowest and highest value of each of `NUMBERS` after all pairs of steps."""
 
     order = 3
 
@@ -335,7 +343,11 @@ class _FilmStepper(MarchState):
         return Counter(iterations=last.iterations, linear_iterations=last.linear_iterations)
 
     def advanced(self, end: float) -> "_FilmStepper":
-        """Return the time stepper after a step to `end` [s], with the error of that step; the first two have none."""
+        """Return the film after a step to `end` [s].
+
+        Its `change` is the error of the step: of the film thickness in L1 over its mean, in the Hertzian zone. It is 0
+        of the first two steps, which have no three instants before them, and infinite where the iteration failed.
+        """
         length = end - self.time
         speed = self.posed.scales.lubrication.speed_at
         middle = speed(self.time + length / 2)
@@ -369,7 +381,7 @@ class _FilmStepper(MarchState):
 
     @cached_property
     def contact(self) -> FilmSolution:
-        """Contact at the last instant."""
+        """Film at the last instant with its fields and numbers, which are computed when they are asked for."""
         rate, now = self.past[0].rate, self.now
         unit = now.scales.film / self.time_unit
         return film_solution(
@@ -378,7 +390,10 @@ class _FilmStepper(MarchState):
         )  # fmt: skip
 
     def _posed_at(self, time: float, distance: float, load: float) -> PosedFilm:
-        """Return the film equation at a time [s] under a `load` [N/m], when the mean speed has gone a distance [m]."""
+        """Return the film equation at a `time` [s] under a `load` [N/m], when the mean speed has gone a `distance` [m].
+
+        A shape that moves with a body has gone farther or less far than that by half the slide.
+        """
         scales = self.posed.scales
         slide = scales.lubrication.slide_roll_ratio / 2
         gap = np.zeros(self.grid.cells)
@@ -398,9 +413,10 @@ class _FilmStepper(MarchState):
         return replace(posed, equation=equation, instant=lubricated_scales(self.scene.under(load), speed))
 
     def _squeeze_term(self, step: float, past: list[Array]) -> SqueezeTerm:
-        """Return the rate after a step [a / u_m] of a field (x, y), such as the content, from ``past`` instants.
+        """Return the rate of a field (x, y), such as the content, after a `step` [a / u_m], as a linear function of it.
 
-        It is that of BDF2, or of backward Euler for the first step.
+        It is that of BDF2, or of backward Euler for the first step. `past` are the fields at the last instants, latest
+        first.
         """
         if len(past) == 1:
             return SqueezeTerm(1 / step, -past[0] / step)
@@ -416,7 +432,11 @@ class _FilmStepper(MarchState):
         return np.asarray(sum(weight * values for weight, values in zip(weights, fields, strict=True)))
 
     def _expected(self, now: PosedFilm, time: float) -> Film:
-        """Return the predicted film at a time [a / u_m]; that of the last instant where a prediction is too thin."""
+        """Return the predicted film at a `time` [a / u_m] of the film equation `now`.
+
+        Where the prediction is too thin, it is the pressure of the last instant, with the surfaces so far apart that the
+        film is thick enough.
+        """
         last = self.last.film
         pressure = np.maximum(self._extrapolated(time, "pressure"), 0)
         pressure[self.last.cavitated | now.equation.fixed] = 0

@@ -1,8 +1,16 @@
-"""March through time by pairs of steps, beside steps of twice the length: their difference tells the error.
+"""March of a method through time by pairs of steps, beside steps of twice the length: their difference is the error.
 
-A pair of steps that has too large an error is rejected. The next pair is as long as the error of the last one allows.
-Where no error is asked for, steps go from one point in time to the next, and pairs of them are compared with one step.
-Source: Hairer, Norsett & Wanner (1993), sect. II.4, eqs. 4.4 and 4.13, there with the error of one pair alone.
+A user names instants and steps as :class:`TimeSteps`. Of these follow points in time at which steps end
+(:class:`Breakpoint`): instants that are recorded, and those at which a load jumps or turns. A :class:`March` takes a
+:class:`Method` from point to point: two short steps, which are the result, and one doubled step over the same time. A
+pair that has too large an error is rejected, and the next one is as long as the error of the last one allows. Where no
+error is asked for, steps go from one point to the next, and pairs of them are compared with one step. A load that jumps
+is applied at its time, in increments.
+
+What a step is and how two states are compared is the method's, in ``evolve``, ``stationary`` and ``evolve_lubricated``.
+
+Source: Hairer, Norsett & Wanner (1993), Solving Ordinary Differential Equations I, sect. II.4, eqs. 4.4 and 4.13, there
+with the error of one pair alone.
 """
 
 from collections import Counter
@@ -19,14 +27,15 @@ from contactstudy.domain.validation import BELOW_ONE, FINITE, InvalidInput, Numb
 from contactstudy.scene.loads import ChangingLoad, PiecewiseLinear, Times, check_not_decreasing
 from contactstudy.solvers.solution import Status
 
-# Recorded instants where neither they nor their number are named.
+# Number of recorded instants where neither they nor their number are named: enough for a smooth curve over time.
 DEFAULT_INSTANTS = 41
-# gamma of the L-stable two-stage SDIRK scheme of order 2.
+# Coefficient gamma of the L-stable, singly diagonally implicit Runge-Kutta scheme (SDIRK) of two stages and order 2
+# (Alexander 1977, SIAM J. Numer. Anal. 14, sect. 3).
 SDIRK_GAMMA = 1 - 1 / sqrt(2)
 
 Scheme = Literal["two_stage", "implicit", "explicit"]
-# Stages of a step of sliding wear in the order of time: for each its fraction of the duration, and the fraction of the
-# stage that is explicit.
+# Stages of a step of sliding wear in the order of time, by scheme. Each is (its fraction of the duration, the fraction
+# of it in which the pressure at its start acts); in the rest the pressure at its end acts.
 STAGES: dict[Scheme, tuple[tuple[float, float], ...]] = {
     "two_stage": ((SDIRK_GAMMA, 0.0), (1 - SDIRK_GAMMA, (1 - 2 * SDIRK_GAMMA) / (1 - SDIRK_GAMMA))),
     "implicit": ((1.0, 0.0),),
@@ -51,10 +60,10 @@ class TimeSteps:
     error
         Largest relative time-discretisation error, in L1, of the pressure and in fretting of the tangential traction.
         Where a contact wears in steady or tractive rolling or on a film, it is the largest change of the pressure by
-        the correction of a step; of other films, the largest error of their thickness in one step; films over bodies
-        that yield refuse it. None takes a fraction of the error requested of the solve. Without that, there is one step
-        from each instant to the next, and to each kink of the load or quarter of its period, or two where the next one
-        differs in length; steady wear and films take 1e-3.
+        the correction of a step; of other films, the largest error of their thickness in one step. None takes a
+        fraction of the error requested of the solve. Without that, there is one step from each instant to the next, and
+        to each kink of the load or quarter of its period, or two where the next one differs in length; steady wear and
+        films take 1e-3.
     scheme
         How sliding wear, ``Wear(speed=...)`` of a dry contact that does not roll, is stepped; other wear has a method of
         its own, and creep is exact for a pressure that is linear in each stage. "implicit" is backward Euler, of first
@@ -146,25 +155,30 @@ class TimeSteps:
 
 
 def kinks(history: Any, end: float) -> list[float]:
-    """Return the times [s] up to `end` at which a history has a kink or turns, those of its largest values last."""
+    """Return the times [s] at which a history has a kink or turns, those of its largest values last.
+
+    Those of a load are up to the time `end` [s]; a load that repeats has them without end.
+    """
     times = getattr(history, "times", ())
     if isinstance(history, ChangingLoad):
         times = history.turning_points(end)
     return sorted(times, key=lambda time: abs(history.at(time)))
 
 
-# Smallest and largest factor on the length of the next pair, and the fraction of the allowed length that is aimed at.
+# Smallest and largest factor on the length of the next pair, and the fraction of the allowed length that is aimed at, as
+# Hairer, Norsett & Wanner advise after eq. 4.13.
 MIN_FACTOR, MAX_FACTOR, SAFETY = 0.2, 2.0, 0.9
-# Largest factor on the length of a pair after one that was rejected.
-MAX_REJECTED_FACTOR = 0.5
-# Largest factor on the allowed error of all steps in a march that starts again.
-MAX_RESTART_FACTOR = 0.7
-# Pairs shorter than this fraction of the whole time are never rejected: for too large an error, and without a solution.
+# Largest factor on the length of a pair after one that was rejected, and on the allowed error of all steps in a march
+# that starts again: both below 1 by so much that a few trials find a length, however wrong the estimate of it is.
+MAX_REJECTED_FACTOR, MAX_RESTART_FACTOR = 0.5, 0.7
+# Fraction of the whole time below which a pair is not rejected for too large an error, as times are rounded to 1e-16;
+# and for a step without a solution, where 20 halvings did not find one.
 SHORTEST, SHORTEST_WITHOUT_SOLUTION = 1e-12, 1e-6
 # Relative difference of two times, or lengths of time, that is rounding.
 ROUNDING = 1e-9
-# Steps make no pair where their lengths differ by a larger factor. The error of a method of first order is the
-# difference to one step of both lengths times 1 for equal lengths, 1.08 at this factor, and 5 at a factor of 10.
+# Two steps from point to point make no pair where their lengths differ by a larger factor. The error of a method of
+# first order is the difference to one step of both lengths times 1 for equal lengths, 1.08 at this factor, and 5 at a
+# factor of 10.
 MAX_RATIO_OF_PAIR = 1.5
 # Largest number of increments of a jump in doubled steps, after which its error is taken as it is: of first order, it is
 # then a 500th of that of the four increments at first.
@@ -173,20 +187,20 @@ MAX_INCREMENTS = 2**11
 
 @dataclass(frozen=True)
 class Breakpoint:
-    """An instant at which steps end.
+    """Point in time at which steps end.
 
     Attributes
     ----------
     time
         Time [s].
     before, after
-        Load [N/m] before and after a jump; equal where there is none.
+        Load [N/m] before and after a jump; equal where the load does not jump, and where the method needs no load.
     times_recorded
         Number of times that the contact is recorded: 0, 1, or 2 for before and after a jump.
     is_discontinuity
-        Whether the load, its rate or another history may jump or turn at this instant.
+        Whether the load, its rate or another history may jump or turn at this instant, so that no step goes over it.
     history_jumps
-        Whether another history jumps.
+        Whether another history than that of the load jumps, such as that of a tangential force.
     """
 
     time: float
@@ -206,24 +220,25 @@ def schedule(
     load: ChangingLoad,
     times: ArrayLike,
     *,
-    kinks: Sequence[float] = (),
+    turns: Sequence[float] = (),
     history: PiecewiseLinear | None = None,
     longest: float = inf,
 ) -> tuple[Breakpoint, ...]:
-    """Return the instants at which steps end, from the start of the load to the last recorded time.
+    """Return the points in time at which steps end, from the start of the load to the last recorded time.
 
     Parameters
     ----------
     load
-        Load over time.
+        Load [N/m] over time.
     times
-        Recorded times [s].
-    kinks
-        Further times [s] at which steps end, such as those where the load turns.
+        Recorded times [s], which do not decrease.
+    turns
+        Further times [s] at which steps end, such as those where the load turns; those outside the schedule are left
+        out.
     history
-        Another history, which may have kinks or jump.
+        Another history, which may have kinks or jump, such as that of a tangential force.
     longest
-        Longest time [s] from one instant to the next.
+        Longest time [s] from one point to the next; longer times are divided into equal parts.
 
     Raises
     ------
@@ -237,7 +252,7 @@ def schedule(
             f"solve.times[0] is {recorded[0]!r}: give times from {load.start!r} s on, when the load begins."
         )
     end, counts = recorded[-1], Counter(recorded)
-    further = (*kinks, *(history.times if history is not None else ()))
+    further = (*turns, *(history.times if history is not None else ()))
     breaks = {load.start, *load.breaks(end), *(time for time in further if load.start <= time <= end)}
     given = sorted(breaks | set(counts) | {end})
     instants = given[:1]
@@ -266,20 +281,22 @@ def ascending(times: ArrayLike, least: int = 1) -> list[float]:
     return instants
 
 
-# Numbers of a contact or film that count as work: FFT convolutions of a dry contact, linear iterations of a film.
+# Attributes of a contact or film that count as work: iterations of its solver, FFT convolutions of a dry contact, and
+# iterations of the linear systems of a film.
 WORK = "iterations", "convolutions", "linear_iterations"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class MarchState:
-    """Contact or film at one time, and the step that led to it.
+    """Contact or film at one time, and the step that led to it: all that a march asks of it.
 
     Attributes
     ----------
     time
         Time [s].
     contacts
-        Contacts or films solved in the step, in the order of time; the last one is that at the time.
+        Contacts or films solved in the step, in the order of time; the last one is that at the time. A method that
+        solves none until it is asked leaves them out.
     replaced
         Contacts solved in the step and replaced by better ones, whose work counts and whose outcomes do not.
     change
@@ -355,7 +372,7 @@ class Method(Generic[S, R]):
         raise NotImplementedError
 
     def jump(self, state: S, increments: int) -> S:
-        """Return the state after a jump at its time in so many load increments."""
+        """Return the state after the jump of the load at its time, in so many equal increments."""
         raise NotImplementedError
 
     def error(self, before: tuple[S, S], middle: S, after: tuple[S, S]) -> float:

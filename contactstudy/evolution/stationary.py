@@ -1,12 +1,16 @@
-"""Contacts without inertia of state: in equilibrium under a load that changes, and wear of contacts that are steady.
+"""Contacts that are in equilibrium at each instant: under a load that changes, and on surfaces that wear slowly.
 
-An adhesive contact begins with the state before it. Between two turning points of the load the state does not depend on
-the number of instants, because the fixed-point map is monotone: a larger initial attraction gives a larger final one. It
-is therefore solved at all turning points, recorded or not. Rolling is steady at each instant and depends on its load
-alone. So there is no time-discretisation error.
+Such a contact keeps no retarded or plastic deformation from one instant to the next: those are in ``evolve``. Films
+whose thickness changes with time are in ``evolve_lubricated``; here films are steady.
 
-The wear depth w adds to the gap, and its rate follows from the contact on that gap: ``dw/dt = f(w)``. Heun's method
-takes a step by the rates at its start and at the end of Euler's step; the change of the pressure from one to the other
+Load histories (:func:`follow_load`). An adhesive contact begins with the state before it. Between two turning points of
+the load the state does not depend on the number of instants, because the fixed-point map is monotone: a larger initial
+attraction gives a larger final one. It is therefore solved at all turning points, recorded or not. Rolling is steady at
+each instant and depends on its load alone. So there is no time-discretisation error.
+
+Wear (:func:`follow_wear` of dry contacts that roll, :func:`follow_film_wear` on a boundary film). The wear depth w adds
+to the gap, and its rate follows from the contact on that gap: ``dw/dt = f(w)``. Heun's method takes a step by the mean
+of the rates at its start and at the end of Euler's step; the change of the pressure from Euler's step to this one
 controls its length. A body that turns wears alike all round, by the mean of Archard's law over its circumference.
 
 Source of the wear law: Archard (1953).
@@ -43,12 +47,13 @@ from contactstudy.solvers.adhesion import AdhesiveSolver
 from contactstudy.solvers.solution import RollingTraction, Solution, unloaded, worst, worst_until
 from contactstudy.solvers.solve import LaggedSolution, SolveOptions, solve_contact
 
+# A dry contact, or a film.
 Contact = TypeVar("Contact", Frame, FilmSolution)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class QuasiStatic(MarchState, Generic[Contact]):
-    """A contact or film in equilibrium under a load, or on surfaces that are worn by a `depth` (x, y) [m]."""
+    """A contact or film in equilibrium; `depth` (x, y) [m] is that of wear so far, None where nothing wears."""
 
     depth: Array | None = None
 
@@ -132,7 +137,7 @@ def follow_load(
     load = scene.load
     assert isinstance(load, ChangingLoad)
     turns = load.turning_points(schedule(load, times)[-1].time)
-    start, *later = schedule(load, times, kinks=turns)
+    start, *later = schedule(load, times, turns=turns)
     points = [replace(start, before=start.after), *later]  # no load jumps at the start
     elastic = scene
     if (speed := scene.rolling_speed) is not None:
@@ -149,6 +154,7 @@ def follow_load(
     posed = PosedScene(scene, grid, padding)
 
     def solved(time: float, value: float, last: Frame | None) -> Frame:
+        """Return the contact at a `time` [s] under a load of this `value` [N/m], from the `last` one before."""
         solution: Solution
         rolling, solves = None, 1
         if value == 0 and adhesive_solver is None:
@@ -180,7 +186,10 @@ def _under(scene: Scene, load: float) -> Scene:
 
 
 def _problem_under(problem: Problem, scene: Scene, load: float, solver: AdhesiveSolver | None) -> Problem:
-    """Return `problem` under a `load` [N/m], with the operator and the adhesive `solver` of all instants."""
+    """Return the `problem` of a `scene` under a `load` [N/m], with the operator and the adhesive `solver` of all loads.
+
+    The `problem` is that under the largest load.
+    """
     posed = problem.description
     assert isinstance(posed, PosedScene)
     grid, instant = posed.grid, _under(scene, load)
@@ -194,25 +203,27 @@ def _problem_under(problem: Problem, scene: Scene, load: float, solver: Adhesive
 
 
 def _next_solution(problem: Problem, last: Solution | None, options: SolveOptions) -> Solution:
-    """Return the solution that continues from the `last` one, or the first solution."""
+    """Return the solution of `problem` from pressure and attraction of the `last` one; None at the first load."""
     start = last.pressure if last is not None and last.pressure.any() else None
     if problem.adhesion is not None and last is not None and last.adhesion is not None:
         problem = replace(problem, adhesion=problem.adhesion.continued(last.adhesion.attraction))
     return solve_contact(problem, options, start)
 
 
-# Largest depth that the first step wears, over the scale of the gap or the boundary film. If the step is too long for
-# the error, it is rejected.
+# Largest depth that the first step wears, over the scale of the gap or the boundary film. It decides nothing but work: a
+# step that is too long for the error is rejected.
 FIRST_DEPTH = 0.01
-# Largest change of the pressure by the correction of a step, relative in L1, where none is asked for.
+# Largest relative L1 change of the pressure by the correction of a step, where no error is asked for: a tenth of the
+# default error of the pressure.
 STEP_ERROR = 1e-3
-# Cells around a grid by which splines continue beyond it.
+# Cells by which a grid is continued beyond its edges before a cubic spline is put through it: the end condition of the
+# spline then weighs (2 - 3**0.5)**4, half a per cent, at the edge.
 PADDED = 4
 
 
 @dataclass(frozen=True, eq=False)
 class SurfaceDepth:
-    """Shape of a surface that lies `depth` (x, y) [m] deeper in the cells of a grid, as it is worn."""
+    """Shape that a worn surface adds to the gap: it lies `depth` (x, y) [m] deeper in the cells of `grid`."""
 
     depth: Array
     grid: Grid
@@ -220,7 +231,10 @@ class SurfaceDepth:
     length_scales: LengthScales = LengthScales()  # noqa: RUF009 (a frozen value)
 
     def gap(self, grid: Grid) -> Array:
-        """Return the depth on another grid: means over larger cells; on smaller ones, a cubic spline."""
+        """Return the depth (x, y) [m] on another grid: means over larger cells; on smaller ones, a cubic spline.
+
+        Beyond the grid the spline keeps the value at the edge across (x), and repeats along the length (y).
+        """
         if all(n <= m for n, m in zip(grid.cells, self.grid.cells, strict=True)):
             return on_cells(self.depth, grid.cells)
         around = np.pad(np.pad(self.depth, ((PADDED, PADDED), (0, 0)), "edge"), ((0, 0), (PADDED, PADDED)), "wrap")
@@ -352,6 +366,7 @@ def follow_wear(
     problem, posed = elastic.problem(grid, padding), PosedScene(scene, grid, padding)
 
     def solved(depth: Array, before: Frame | None) -> Frame:
+        """Return the contact worn by a `depth` (x, y) [m], from the one `before`."""
         worn, rolling = replace(unworn, shapes=(*unworn.shapes, SurfaceDepth(depth, grid))), None
         if worn.rolls:
             rolling = solve_rolling(worn, grid, padding, options=options)
@@ -359,7 +374,7 @@ def follow_wear(
         else:
             start = None if before is None else before.pressure
             solution = solve_contact(worn.problem(grid, padding), options, start)
-        # the scene that the user gave, without the surface that is worn by now; the time is that of its step
+        # the scene that the user gave, without the worn surface; the time is set where it is recorded
         return frame_of(
             replace(solution, problem=replace(solution.problem, description=posed)),
             time=0.0,
@@ -370,6 +385,7 @@ def follow_wear(
         )
 
     def power(contact: Frame) -> Array:
+        """Return pressure times sliding speed (x, y) [W/m^2]."""
         traction = contact.traction
         if isinstance(traction, RollingTraction):
             # where it slips, friction times slip is the coefficient of friction times pressure times slip
@@ -405,11 +421,13 @@ def follow_film_wear(
     controls = FilmControls(tolerance=options.tolerance, max_iterations=options.max_iterations)
 
     def solved(depth: Array, before: FilmSolution | None) -> FilmSolution:
+        """Return the film on surfaces worn by a `depth` (x, y) [m], from the one `before`."""
         worn = replace(unworn, shapes=(*unworn.shapes, SurfaceDepth(depth, grid)))
         film = solve_lubricated(worn, grid, padding, controls, before)
         return replace(film, scene=scene, wear_depth=depth)
 
     def power(film: FilmSolution) -> Array:
+        """Return pressure of asperities times sliding speed (x, y) [W/m^2]."""
         assert film.contact_pressure is not None
         return abs(film.sliding_speed) * film.contact_pressure
 

@@ -1,4 +1,11 @@
-"""One step in time: the problem that a scene's state variables make of it, solved from the previous pressure."""
+"""One step in time of a dry contact: the problem that its state variables make of it, and their update.
+
+A state variable is what a body or an interface keeps from one instant to the next: retarded pressures of creep, the
+depth of wear, the tangential traction of fretting, plastic strain. Each adds to the gap or to the operator of the
+contact at the end of a step, which is solved from the pressure before; the state at the end follows from both
+pressures. Plastic strain is coupled: it is solved for together with the pressure. Lengths of steps and their errors are
+in ``evolve``.
+"""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
@@ -45,17 +52,18 @@ if TYPE_CHECKING:  # imported only for scenes with a body that yields
     from contactstudy.evolution.states.plastic import PlasticState
 
 StateVariable = CreepState | WearState | FrettingState
-# Contacts that a step with plastic strain beside an attraction solves at most, each with the limit of iterations.
+# Most contacts that a step with plastic strain beside an attraction solves, each with the limit of iterations: 3 to 13
+# were solved in 36 steps.
 CONTACTS_PER_COUPLED_STEP = 30
-# Largest number of fixed-point iterations of a step.
+# Most iterations of a step between the contact and the slip that wears it: 3 to 8 were taken in 69 steps.
 MAX_FIXED_POINT_ITERATIONS = 30
-# The single, implicit stage of a step that has no stages.
+# The stage of a step without sliding wear, in the form of `STAGES`: all of the step, implicit.
 SINGLE_STAGE = ((1.0, 0.0),)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Instant(MarchState):
-    """A dry contact at one time, with the states of all state variables.
+    """A dry contact at one time, with the state of every state variable.
 
     Attributes
     ----------
@@ -87,7 +95,7 @@ class Instant(MarchState):
         return replace(self, contacts=(), replaced=())
 
     def after(self, before: "Instant", *replaced: Solution) -> "Instant":
-        """Return this instant with the contacts on the way to that `before` too, and with those `replaced`."""
+        """Return this instant with the contacts that led to the instant `before` too, and with those `replaced`."""
         contacts, replaced = before.contacts + self.contacts, replaced + before.replaced + self.replaced
         return replace(self, contacts=contacts, replaced=replaced)
 
@@ -101,18 +109,18 @@ class TimeStepper:
     problem
         The contact under the largest load, applied suddenly before any state variable has changed.
     load
-        Load over time.
+        Load [N/m] over time.
     loaded_length
-        Length [m] on which it acts.
+        Length [m] on which the load acts.
     weights
-        Weights [1/Pa] of the influence coefficients in its operator.
+        Weights [1/Pa] of the influence coefficients in the operator of the problem.
     state_variables
-        State variables whose update follows from the pressures at both ends of a step; the traction of fretting is the
-        last, beside which no body yields.
+        State variables whose update follows from the pressures at both ends of a step. The traction of fretting is the
+        last; no body yields beside it.
     coupled
         Plastic strain, which is solved for together with the pressure; None if no body yields.
     scheme
-        Stages of a step.
+        Scheme of a step with sliding wear, whose stages are in `STAGES`; other steps have a single implicit stage.
     options
         How each contact is solved.
     """
@@ -196,7 +204,7 @@ class TimeStepper:
         return self.advance(instant, end, self.load.before(end), instant.max_halvings)
 
     def advance(self, instant: Instant, end: float, load: float, max_halvings: int) -> Instant:
-        """Return the contact at the time `end` [s], where the load is `load` [N/m].
+        """Return the contact at the time `end` [s], where the load is `load` [N/m]; without duration it is a jump.
 
         A step in which bodies start to yield may have an error that a step twice as long does not show, because they
         hardly yield in its first half. So such a step is halved, and its halves again, up to `max_halvings` times.
@@ -212,7 +220,7 @@ class TimeStepper:
         return last.after(middle, *after.contacts, *after.replaced)
 
     def _stages(self, instant: Instant, end: float, load: float) -> Instant:
-        """Return the contact after the stages of one step to `end` [s]."""
+        """Return the contact after the stages of one step to `end` [s], where the load is `load` [N/m]."""
         start, duration = instant.time, end - instant.time
         if duration == 0:
             return self._stage(instant, Step(end, end, (instant.load, load), load))
@@ -228,7 +236,11 @@ class TimeStepper:
         return last
 
     def _stage(self, instant: Instant, step: Step) -> Instant:
-        """Solve the contact at the end of one stage, and advance every state variable."""
+        """Solve the contact at the end of one stage, and advance every state variable.
+
+        Where slip wears, contact and slip are iterated to a fixed point: the state of fretting before the stage holds
+        the slip of the last iterate, from which the contact takes its wear.
+        """
         coupled: tuple[State, ...] = ()
         solutions: list[Solution] = []
         has_converged = True
@@ -282,7 +294,19 @@ class TimeStepper:
     def _coupled_step(
         self, coupled: "PlasticState", state: State, problem: Problem, pressure: Array
     ) -> tuple[Solution, State]:
-        """Return the contact and the coupled state at the end of a step; an attraction is iterated around both."""
+        """Return the contact and the plastic strain at the end of a step; an attraction is iterated around both.
+
+        Parameters
+        ----------
+        coupled
+            The state variable.
+        state
+            Plastic strain before the step, as arrays by name.
+        problem
+            The contact at the end of the step, without the residual displacement of the plastic strain.
+        pressure
+            Pressure (x, y) [Pa] to begin with.
+        """
         tolerance = self.options.tolerance
         if problem.adhesion is None:
             contact = WarmStartedContact(problem, self.options, pressure)
@@ -357,7 +381,10 @@ class TimeStepper:
         )
 
     def _gap(self, contributions: Iterable[Contribution]) -> Array:
-        """Return the undeformed gap (x, y) [m] plus the contributions of all state variables."""
+        """Return the undeformed gap (x, y) [m] plus the contributions of all state variables.
+
+        Pressures that act on after a step are convolved once for each kind of influence coefficients.
+        """
         gap = self.problem.undeformed_gap
         convolved: dict[Coefficients, Array] = {}
         for contribution in contributions:
@@ -373,7 +400,10 @@ class TimeStepper:
     def _operator(
         self, problem: Problem, weights: Mapping[Coefficients, float], local: float | Array
     ) -> Convolution | WithWinklerLayer:
-        """Return the operator of a step, made from operators that exist already."""
+        """Return the operator of a step on `problem`; the arguments are those of :meth:`_problem_under`.
+
+        It is made of operators that exist already, whose transforms take as long as several steps.
+        """
         operator = problem.operator
         assert isinstance(operator, Convolution)
         layer, uniform = (local, 0.0) if isinstance(local, np.ndarray) else (None, local)
@@ -386,11 +416,11 @@ class TimeStepper:
 
     @cached_property
     def _unit_operators(self) -> Mapping[Coefficients, Convolution]:
-        """Operators on the grid of the integration for each kind of coefficients [m]."""
+        """Operator of each kind of coefficients [m], of weight 1, on the grid of the integration."""
         return self._units_of(self.problem)
 
     def _units_of(self, problem: Problem) -> Mapping[Coefficients, Convolution]:
-        """Return an operator on the grid of `problem` for each kind of coefficients [m]."""
+        """Return the operator of each kind of coefficients [m], of weight 1, on the grid of `problem`."""
         if len(self.weights) == 1:
             ((coefficients, weight),) = self.weights.items()
             assert isinstance(problem.operator, Convolution)
@@ -405,7 +435,8 @@ class TimeStepper:
         """Return the scales under `load` [N/m] and a ratio of the step's compliance to the instantaneous one.
 
         The width of a curved contact grows with the square root of load and compliance; a flat contact keeps its width.
-        Bodies that adhere, which no load leaves undeformed, have the scales of the largest load.
+        Bodies that adhere, which no load leaves undeformed, have the scales of the largest load. The scale of the
+        pressure is a power of two, so that scaling by it rounds nothing.
         """
         scales = self.problem.scales
         ratio = load / self.load.largest if load > 0 and self.problem.adhesion is None else 1.0

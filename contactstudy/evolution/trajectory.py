@@ -1,4 +1,8 @@
-"""Results of an integration in time: recorded frames, and checkpoints on disk with the state to continue from."""
+"""What an integration of a dry contact in time leaves: frames at recorded instants, and a checkpoint of it on disk.
+
+A frame is the contact at one instant with what it keeps from earlier ones; a :class:`Trajectory` is the sequence of
+frames. A :class:`Checkpoint` is a folder from which an integration that was stopped goes on.
+"""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -135,33 +139,38 @@ def error_of_peak(pressure: Array, errors: Array) -> float:
 
 
 T = TypeVar("T")
-ARRAY = "array"  # key of the name of an array in JSON
+# Key in JSON of the name of an array, which is stored beside it.
+ARRAY = "array"
 
 
-@dataclass
+@dataclass(frozen=True)
 class Checkpoint:
-    """Folder of one integration: ``request.json``, ``frame_00000.npz`` and so on, and ``state.npz``.
+    """Folder of one integration, in which values are kept: made by :meth:`open`.
 
-    Each file has a checksum and is replaced in one step, so that a killed integration leaves the previous one and
-    damage is detected. Frames and state name the hash of the request in ``request.json``.
+    Beside ``request.json``, which says of what integration the folder is, each value has a file, such as
+    ``frame_00000.npz``. Each file has a checksum and is replaced in one step, so that a killed integration leaves the
+    previous one and damage is detected.
 
     Attributes
     ----------
     folder
         The folder.
     request_hash
-        Hash of the request and of this program, which :meth:`open` sets.
+        Hash of the request and of this program, which every file names.
     """
 
     folder: Path
-    request_hash: str = ""
+    request_hash: str
 
+    @classmethod
     @contextmanager
-    def open(self, request: object) -> Iterator[None]:
-        """Make the folder for an integration, or check that it holds this integration, and lock it in the block.
+    def open(cls, folder: Path, request: object) -> "Iterator[Checkpoint]":
+        """Make the folder of an integration, or check that it is of this one, and lock it as long as the block lasts.
 
         Parameters
         ----------
+        folder
+            The folder; it need not exist.
         request
             Scene, grid and options that identify the integration.
 
@@ -171,24 +180,21 @@ class Checkpoint:
             If the folder holds another integration, one of another version of this program or in another process, or
             damaged files.
         """
-        self.folder.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(parents=True, exist_ok=True)
         identity = {"request": digest(request), "version": VERSION, "source": source_hash()}
-        self.request_hash = digest(identity)
-        with locked(self.folder / ".integration.lock", f"solve.folder {str(self.folder)!r}"):
-            remove_partial_files(self.folder)
-            path = self.folder / "request.json"
+        checkpoint, path = cls(folder, digest(identity)), folder / "request.json"
+        with locked(folder / ".integration.lock", f"solve.folder {str(folder)!r}"):
+            remove_partial_files(folder)
             if path.exists():
-                self._check_identity(identity)
-            elif any(not entry.name.startswith(".") for entry in self.folder.iterdir()):
-                raise InvalidInput(
-                    f"solve.folder is {str(self.folder)!r}, which holds other files: give an empty folder."
-                )
+                checkpoint._check_identity(identity)
+            elif any(not entry.name.startswith(".") for entry in folder.iterdir()):
+                raise InvalidInput(f"solve.folder is {str(folder)!r}, which holds other files: give an empty folder.")
             else:
                 write_with_checksum(path, json.dumps(identity, indent=1).encode())
-            yield
+            yield checkpoint
 
     def _check_identity(self, identity: Mapping[str, Any]) -> None:
-        """Raise InvalidInput if the folder belongs to another request."""
+        """Raise InvalidInput if ``request.json`` in the folder has another identity: "request", "version", "source"."""
         with self._report_damage():
             content = read_verified(self.folder / "request.json")
             stored = json.loads(content or b"")

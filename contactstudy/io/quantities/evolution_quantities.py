@@ -1,4 +1,10 @@
-"""Quantities of a contact in time, and of one under repeated rolling."""
+"""Quantities of a contact in time, and of one under repeated rolling, with their bounds.
+
+Of a contact in time they are extremes over time, values at the end, and what is left behind: wear, slip, dents, residual
+stress (:func:`evolution_quantities`); of a history with adhesion also loads at which contact is lost and made, and the
+net work (:func:`history_quantities`). Of repeated rolling they are what the last pass leaves
+(:func:`passes_quantities`).
+"""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -38,7 +44,7 @@ def _magnitude(values: Iterable[float]) -> float:
     return max(map(abs, values))
 
 
-# Extremes over time: quantity of an instant, which extreme of it, and its label.
+# Extremes over time: (name of a quantity of an instant, function that takes the extreme of its values, label).
 EXTREMES: tuple[tuple[str, Callable[[Iterable[float]], float], str], ...] = (
     ("peak_pressure", max, "largest peak pressure in time"),
     ("largest_von_mises", max, "largest von Mises stress in time"),
@@ -50,7 +56,7 @@ EXTREMES: tuple[tuple[str, Callable[[Iterable[float]], float], str], ...] = (
     ("frictional_power", max, "largest frictional power in time"),
     ("rolling_resistance", max, "largest coefficient of rolling resistance in time"),
 )
-# Relative difference of two values of a history that is rounding.
+# Difference of two values of a history, over the largest, that is rounding.
 HISTORY_ROUNDING = 1e-9
 # Quantities of an instant whose last value is reported.
 FINAL = (
@@ -106,7 +112,7 @@ def _extremes(
 
     They have no bound where a history goes beyond its recorded values between the recorded instants, or has a kink there
     from which a body creeps. The bound of others includes how far their `ranges`, or else a parabola through three
-    instants, go beyond them.
+    instants, go beyond them. The arguments are those of :func:`evolution_quantities`.
     """
     quantities = {}
     reason, kinks = _beyond_recorded(times, scene)
@@ -131,9 +137,11 @@ def _extremes(
 
 
 def _beyond_recorded(times: Sequence[float], scene: Scene) -> tuple[str, frozenset[float]]:
-    """Return where a history goes beyond its values at the recorded `times`, as a sentence or empty, and its kinks.
+    """Return why extremes between the recorded `times` [s] are not known, and the times of all kinks of histories.
 
-    Where a body creeps, a kink counts as well, since the pressure may be highest there under a load that stays.
+    The reason is a sentence on a history that goes beyond its values at the recorded times; empty if none does, and the
+    times of kinks are then complete. Where a body creeps, a kink counts as well, since the pressure may be highest there
+    under a load that stays.
     """
     kinks: set[float] = set()
     creeping = any(map(creeps, scene.solids))
@@ -162,7 +170,10 @@ def _beyond_recorded(times: Sequence[float], scene: Scene) -> tuple[str, frozens
 
 
 def _beyond_parabola(times: Sequence[float], values: Sequence[float]) -> float:
-    """Return how far the vertex of the parabola through three instants goes beyond the value at the middle one."""
+    """Return how far the vertex of the parabola through three `values` at `times` [s] lies from the middle one.
+
+    It is 0 where the three are on a straight line.
+    """
     before, after = (values[end] - values[1] for end in (0, 2))
     t0, t1 = times[0] - times[1], times[2] - times[1]
     curvature = (after / t1 - before / t0) / (t1 - t0)
@@ -171,7 +182,7 @@ def _beyond_parabola(times: Sequence[float], values: Sequence[float]) -> float:
 
 
 def _final(last: Mapping[str, Quantity]) -> dict[str, Quantity]:
-    """Return the values at the last instant, under names that begin with ``final``."""
+    """Return those of the `last` instant's quantities that are in `FINAL`, under names that begin with ``final_``."""
     quantities = {}
     peak = last.get("peak_pressure")
     is_separated = peak is not None and peak.value == 0  # separated bodies have no approach
@@ -186,7 +197,7 @@ def _final(last: Mapping[str, Quantity]) -> dict[str, Quantity]:
 def _of_wear(
     fields: Mapping[str, Field], frames: Sequence[Mapping[str, Quantity]], posed: PosedScene, error: ErrorParts
 ) -> dict[str, Quantity]:
-    """Return the wear volume, around all of a body that turns, and the largest wear depth.
+    """Return the wear volume, that of the whole circumference of a body that turns, and the largest wear depth.
 
     Where bodies slide, wear follows from load and pressure: the volume from the load, whose error is neither by images,
     nor by cells, nor by steps, and the largest depth from the peak pressures. On a film the volume follows from the
@@ -232,7 +243,7 @@ def _of_dents(fields: Mapping[str, Field]) -> dict[str, Quantity]:
 
 
 def _of_residual_stress(fields: Mapping[str, Field]) -> dict[str, Quantity]:
-    """Return the highest and lowest residual stress across or along, of each body that yields."""
+    """Return the highest and lowest residual stress of each body that yields: the normal stress across or along."""
     quantities = {}
     for name, stress in fields.items():
         if name.startswith("residual_stress"):
@@ -356,7 +367,7 @@ def passes_quantities(rolled: "RepeatedRolling") -> dict[str, Quantity]:
 
 
 def _by_pass(rolled: "RepeatedRolling") -> dict[str, tuple[Array, str, str]]:
-    """Return values (pass,) of what each pass leaves behind, with unit and label, by name."""
+    """Return what each pass leaves behind, by name: its values (pass,), unit and label."""
     lowest, strain = rolled.residual_stress[:, 0].min(axis=-1), rolled.equivalent_plastic_strain.max(axis=-1)
     added = "largest equivalent plastic strain that the last pass adds"
     forward = "forward displacement of the surface, opposite to the travel of the contact, by the last pass"

@@ -55,12 +55,6 @@ def in_blocks(work: Callable[..., T], *fields: Numbers) -> list[T]:
     return [result for part in _distributed(in_turn, blocks, cells) for result in part]
 
 
-def sums(work: Callable[..., tuple[float, ...]], *fields: Array) -> tuple[float, ...]:
-    """Return the sums of what `work` returns for each block of rows of all `fields` (x, y)."""
-    results = in_blocks(work, *fields)
-    return results[0] if len(results) == 1 else tuple(map(sum, zip(*results, strict=True)))
-
-
 def equal(first: Array, second: Array) -> bool:
     """Return whether two fields (x, y) are the same."""
     if (loops := device_loops()) is not None:

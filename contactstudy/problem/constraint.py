@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.domain.device import arrays
-from contactstudy.domain.grid import Array, dot, in_blocks, replace_blocks
+from contactstudy.domain.grid import Array, dot, replace_blocks
 from contactstudy.domain.grid import total as sum_of
 
 
@@ -377,17 +377,13 @@ class Constraint:
         :class:`~contactstudy.SolveOptions`.
         """
         xp = arrays()
-
-        def measure(pressure: Array, height: Array) -> tuple[float, float, float]:
-            violated = xp.where(pressure == 0, -height, 0.0)
-            if self.hardness < inf:
-                at_limit = pressure >= self.hardness
-                violated, pressure = xp.where(at_limit, height, violated), xp.where(at_limit, 0.0, pressure)
-            return dot(pressure, xp.abs(height)), float(xp.sum(pressure)), float(xp.max(violated))
-
-        moments, loads, violations = zip(*in_blocks(measure, pressure, height), strict=True)
-        complementarity = sum(moments) / sum(loads) if sum(loads) else 0.0
-        return largest_of(complementarity, *violations)
+        violated = xp.where(pressure == 0, -height, 0.0)
+        if self.hardness < inf:
+            at_limit = pressure >= self.hardness
+            violated, pressure = xp.where(at_limit, height, violated), xp.where(at_limit, 0.0, pressure)
+        load = sum_of(pressure)
+        complementarity = dot(pressure, xp.abs(height)) / load if load else 0.0
+        return largest_of(complementarity, float(xp.max(violated)))
 
 
 class Control:

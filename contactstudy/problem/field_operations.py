@@ -1,8 +1,12 @@
-"""Operations on the fields of an iteration, chosen once for a problem: of the array library, or compiled loops.
+"""Operations on the fields of the conjugate gradients, chosen once for a problem: array library, or compiled loops.
 
-Both give the same numbers to rounding. Array operations serve any device and any constraint. A compiled loop reads and
-writes each field once; on 128 x 128 cells and more that makes a solve 1.5 to 1.7 times as fast. Where a loop saves less
-than 3 % of a solve, array operations serve all.
+An iteration takes a step from one pressure (x, y) to the next, the trial pressure, along a :class:`Direction`; its
+displacement and its gap follow. All fields are dimensionless. The active set is a field that is 1 in its cells and 0
+elsewhere.
+
+Both kinds of operations give the same numbers to rounding. :class:`ArrayOperations` serve any device and any
+constraint. A compiled loop of :class:`CompiledOperations` reads and writes each field once; on 128 x 128 cells and more
+that makes a solve 1.5 to 1.7 times as fast. Where a loop saves less than 3 % of a solve, array operations serve all.
 """
 
 from math import inf, isnan, nan, prod
@@ -18,9 +22,7 @@ from contactstudy.domain.grid import (
     compiled_loops,
     device_loops,
     dot,
-    in_blocks,
     max_abs,
-    sums,
     total,
 )
 from contactstudy.problem.constraint import (
@@ -38,7 +40,8 @@ SINGLE_LIMIT = 1e15
 class Direction(NamedTuple):
     """Direction of a step: `shift` less the `preconditioned` residual, plus `beta` times the last step.
 
-    It is zero outside the `active` set, see :class:`~contactstudy.problem.constraint.Constraint`.
+    It is zero outside the `active` set. The shift is one number for all cells, which keeps the load; `beta` makes the
+    direction conjugate to the last step, and is 0 for steepest descent.
     """
 
     preconditioned: Array
@@ -48,7 +51,7 @@ class Direction(NamedTuple):
 
 
 class TrialSums(NamedTuple):
-    """Sums over a trial pressure, taken as it is written.
+    """Sums over a trial pressure, taken while it is written.
 
     Attributes
     ----------
@@ -73,8 +76,6 @@ class TrialSums(NamedTuple):
 class ConjugacySums(NamedTuple):
     """Sums that make a direction conjugate to the last step.
 
-    The response is the displacement that this step made; the active set is 1 in its cells and 0 elsewhere.
-
     Attributes
     ----------
     cells
@@ -82,9 +83,10 @@ class ConjugacySums(NamedTuple):
     preconditioned
         Sum of the preconditioned residual.
     gap_preconditioned, preconditioned_response, active_response, gap_step
-        Inner products; the step is taken on the active set alone.
+        Inner products of pairs of fields: the gap, the preconditioned residual, the change of displacement by the last
+        step (the response), the active set, and the last step on it.
     step
-        Sum of the step on the active set.
+        Sum of the last step on the active set.
     """
 
     cells: float
@@ -105,9 +107,9 @@ class ArrayOperations:
         self._is_large = large_for_cpu or device_loops() is not None
 
     def preconditioner_precision(self, undeformed_gap: Array) -> Precision | None:
-        """Return single precision on large fields of a CPU or a GPU whose largest height it can hold, else None.
+        """Return single precision for the preconditioner on large fields whose largest height it can hold, else None.
 
-        It takes half the time and no more iterations.
+        It takes half the time and no more iterations. None is the precision of the problem.
         """
         fits = self._is_large and -SINGLE_LIMIT < float(undeformed_gap.max()) < SINGLE_LIMIT
         return Precision.SINGLE if fits else None
@@ -120,34 +122,23 @@ class ArrayOperations:
 
         They count from the approach: the prescribed one, else the mean height over the active set.
         """
-
-        def add(height: Array, undeformed: Array, displacement: Array, pressure: Array) -> tuple[float, float]:
-            active = self.constraint.active(pressure)
-            height[...] = undeformed + displacement
-            return dot(height, active), float(arrays().sum(active))
-
-        heights, cells = sums(add, height, undeformed, displacement, pressure)
+        active = self.constraint.active(pressure)
+        height[...] = undeformed + displacement
         if prescribed_approach is not None:
             approach = prescribed_approach
-        elif cells:
-            approach = heights / cells
+        elif cells := total(active):
+            approach = dot(height, active) / cells
         else:
             approach = self.constraint.approach_without_active_cells(pressure, height)
-        in_blocks(lambda block: block.__isub__(approach), height)
-        load = total(pressure)
-        violation = self.constraint.violation(pressure, height)
-        return Gap(height, approach, violation, load, max_abs(displacement))
+        height -= approach
+        return Gap(
+            height, approach, self.constraint.violation(pressure, height), total(pressure), max_abs(displacement)
+        )
 
     def active_set(self, pressure: Array, height: Array, real: DTypeLike) -> tuple[Array, Array]:
-        """Return the active set of the constraint (1, others 0) and its gap, in `real` numbers."""
-        active, active_gap = (arrays().empty(pressure.shape, dtype=real) for _ in range(2))
-
-        def select(active: Array, active_gap: Array, pressure: Array, height: Array) -> None:
-            active[...] = self.constraint.active(pressure)
-            active_gap[...] = height * active
-
-        in_blocks(select, active, active_gap, pressure, height)
-        return active, active_gap
+        """Return the active set of the constraint (1, others 0) and its gap, zero elsewhere, in `real` numbers."""
+        active = self.constraint.active(pressure)
+        return arrays().astype(active, real, copy=False), arrays().astype(height * active, real, copy=False)
 
     def add_entering(
         self, pressure: Array, height: Array, extended: Array, step_length: float, active: Array,
@@ -158,70 +149,57 @@ class ArrayOperations:
         Cells at a limit enter that should leave it. `active_gap`, the gap of the set, gets theirs. The step changes the
         gap everywhere by the fraction `step_length` of the `extended` gap.
         """
-
-        def add(active: Array, active_gap: Array, pressure: Array, height: Array, extended: Array) -> bool:
-            released = self.constraint.to_release(pressure, height - step_length * extended)
-            leaves = bool(arrays().any(released))
-            if leaves:
-                active[...] = active + released
-                active_gap[...] = active_gap + height * released
-            return leaves
-
-        return any(in_blocks(add, active, active_gap, pressure, height, extended))
+        released = self.constraint.to_release(pressure, height - step_length * extended)
+        if not arrays().any(released):
+            return False
+        active[...] = active + released
+        active_gap[...] = active_gap + height * released
+        return True
 
     def direction_sums(self, active: Array, preconditioned: Array) -> tuple[float, ...]:
         """Return the number of cells in the `active` set, and the sum of the `preconditioned` residual."""
-        return sums(lambda *blocks: tuple(map(_sum, blocks)), active, preconditioned)
+        return _sum(active), _sum(preconditioned)
 
-    def conjugacy_sums(self, *fields: Array) -> ConjugacySums:
+    def conjugacy_sums(
+        self, height: Array, preconditioned: Array, active: Array, before: Array, after: Array,
+        displacement_before: Array, displacement_after: Array,
+    ) -> ConjugacySums:  # fmt: skip
         """Return the sums that make a direction conjugate to the last step.
 
-        The `fields` are gap, preconditioned residual, active set, pressure before and after the step, and displacement
-        before and after it.
+        `height` is that of the gap; the pressure is given `before` and `after` the step, and so is the displacement.
         """
-
-        def of_block(
-            height: Array, preconditioned: Array, active: Array, before: Array, after: Array,
-            displacement_before: Array, displacement_after: Array,
-        ) -> ConjugacySums:  # fmt: skip
-            step, response = active * (after - before), displacement_after - displacement_before
-            return ConjugacySums(
-                _sum(active),
-                _sum(preconditioned),
-                dot(height, preconditioned),
-                dot(preconditioned, response),
-                dot(active, response),
-                dot(height, step),
-                _sum(step),
-            )
-
-        return ConjugacySums(*sums(of_block, *fields))
+        step, response = active * (after - before), displacement_after - displacement_before
+        return ConjugacySums(
+            _sum(active),
+            _sum(preconditioned),
+            dot(height, preconditioned),
+            dot(preconditioned, response),
+            dot(active, response),
+            dot(height, step),
+            _sum(step),
+        )
 
     def trial(
         self, pressure: Array, height: Array, direction: Direction, step_length: float, buffer: Array
     ) -> TrialSums:
-        """Write the trial pressure, one step ahead, over that before the last step, which the `buffer` holds."""
+        """Write the trial pressure into the `buffer`, which holds the pressure before the last step.
+
+        It is the `pressure`, under which the gap has this `height`, plus `step_length` times the `direction`.
+        """
         preconditioned, active, shift, beta = direction
-
-        def take_step(
-            buffer: Array, preconditioned: Array, active: Array, pressure: Array, height: Array
-        ) -> tuple[float, ...]:
-            if beta:
-                buffer -= pressure  # the buffer is then the last step, reversed
-                buffer *= -beta
-                buffer -= preconditioned
-                buffer += shift
-            else:
-                buffer[...] = shift - preconditioned
-            buffer *= active
-            if step_length != 1:
-                buffer *= step_length
-            slope = dot(height, buffer)
-            buffer += pressure
-            return float(self.constraint.exceeded_by(buffer)), float(arrays().sum(buffer)), slope
-
-        cut, load, slope = sums(take_step, buffer, preconditioned, active, pressure, height)
-        return TrialSums(cut > 0, load, slope)
+        if beta:
+            buffer -= pressure  # the buffer is then the last step, reversed
+            buffer *= -beta
+            buffer -= preconditioned
+            buffer += shift
+        else:
+            buffer[...] = shift - preconditioned
+        buffer *= active
+        if step_length != 1:
+            buffer *= step_length
+        slope = dot(height, buffer)
+        buffer += pressure
+        return TrialSums(self.constraint.exceeded_by(buffer), total(buffer), slope)
 
     def project_to_load(
         self, trial: Array, trial_sums: TrialSums, active: Array, control: Control,
@@ -237,35 +215,25 @@ class ArrayOperations:
 
     def slope(self, trial: Array, pressure: Array, height: Array) -> float:
         """Return the slope of the complementary energy along the step to `trial`."""
-        fields = trial, pressure, height
-        return sum(in_blocks(lambda after, before, gap: dot(gap, after - before), *fields))
+        return dot(height, trial - pressure)
 
     def curvature(self, trial: Array, pressure: Array, trial_displacement: Array, displacement: Array) -> float:
         """Return the inner product of the step to `trial` with the change of displacement that it makes."""
-        fields = trial, pressure, trial_displacement, displacement
-        return sum(in_blocks(lambda p1, p0, u1, u0: dot(p1 - p0, u1 - u0), *fields))
+        return dot(trial - pressure, trial_displacement - displacement)
 
     def crosses_a_limit(self, trial: Array, pressure: Array, factor: float) -> bool:
         """Return whether `factor` times the step takes a cell beyond a limit."""
-
-        def cuts(trial: Array, pressure: Array) -> bool:
-            return self.constraint.exceeded_by(pressure + factor * (trial - pressure))
-
-        return any(in_blocks(cuts, trial, pressure))
+        return self.constraint.exceeded_by(pressure + factor * (trial - pressure))
 
     def take_fraction(
         self, trial: Array, pressure: Array, trial_displacement: Array, displacement: Array,
         fraction: float,
     ) -> None:  # fmt: skip
         """Take a `fraction` of a step: the trial fields become the pressure and displacement at its end, in place."""
-
-        def take_step(before: Array, after: Array) -> None:
+        for before, after in ((displacement, trial_displacement), (pressure, trial)):
             after -= before
             after *= fraction
             after += before
-
-        in_blocks(take_step, displacement, trial_displacement)
-        in_blocks(take_step, pressure, trial)
         self.constraint.clip(trial)
 
 

@@ -15,10 +15,8 @@ from scipy.special import binom, digamma, gammaln, k0, xlog1py, zeta
 
 from contactstudy.domain.grid import Array, matrix_product
 
-# Beyond FAR_DISTANCE half-diagonals of a cell, four multipole moments leave at most 64^-8 / 9 ~ 4e-16; beyond
-# MIDDLE_DISTANCE, eight leave 10^-16 / 17.
-FAR_DISTANCE, FAR_MOMENTS = 64.0, 4
-MIDDLE_DISTANCE, MIDDLE_MOMENTS = 10.0, 8
+# Beyond FAR_DISTANCE half-diagonals of a cell, so many multipole moments leave at most 32^-10 / 11 ~ 8e-17.
+FAR_DISTANCE, MOMENTS = 32.0, 5
 # Beyond NEAR_DISTANCE cells a line's field is analytic in a Bernstein ellipse of rho >= 9.9, so that 8 Gauss
 # points leave rho^-16 ~ 1e-16.
 NEAR_DISTANCE, NEAR_POINTS = 2.5, 8
@@ -62,7 +60,7 @@ def boussinesq_cell(x: ArrayLike, y: ArrayLike, dx: float, dy: float) -> Array:
     cosine *= inverse
     result: Array = np.empty(close.shape)
     if not close.all():
-        result = multipoles(cosine, inverse, anisotropy, FAR_MOMENTS)
+        result = multipoles(cosine, inverse, anisotropy)
         result *= 4 * half_x * (half_y / diagonal)
     if close.any():
         x, y = np.broadcast_arrays(x, y)
@@ -70,14 +68,14 @@ def boussinesq_cell(x: ArrayLike, y: ArrayLike, dx: float, dy: float) -> Array:
     return result
 
 
-def multipoles(c: Array, q: Array, e: float, terms: int) -> Array:
+def multipoles(c: Array, q: Array, e: float) -> Array:
     """Return the mean of ``1 / |r - s|`` over the points s of a cell, in the unit of its half-diagonal d.
 
     ``c = cos 2 theta`` for the direction of r, ``q = (d / r)^2``, ``e = (dx^2 - dy^2) / (dx^2 + dy^2)``. It is
     ``sqrt(q)`` times the sum of ``q^k < (s / d)^2k P_2k(cos(r, s)) >``.
     """
     total, moment = np.zeros_like(q), np.empty_like(q)
-    for polynomial in reversed(_moments_of_cell(terms, e)):
+    for polynomial in reversed(_moments_of_cell(e)):
         total *= q
         moment[...] = polynomial[-1]
         for coefficient in polynomial[-2::-1]:
@@ -89,16 +87,16 @@ def multipoles(c: Array, q: Array, e: float, terms: int) -> Array:
 
 
 @cache
-def _moments(terms: int) -> Array:
+def _moments() -> Array:
     """Return the coefficients (n, k, m) of ``c^m e^n`` in ``< (s / d)^2k P_2k(cos(r, s)) >``, see :func:`multipoles`.
 
     P_2k is a sum of ``cos 2 m (theta - phi)``, phi the direction of s, whose factors are those of
     ``((1 - z) (1 - 1 / z))^(-1/2)``. Averaged over the cell, ``s^2k cos 2 m phi`` is a polynomial in the squares of its
     half-sides, which are ``(1 + e) / 2`` and ``(1 - e) / 2``.
     """
-    root = binom(2 * np.arange(2 * terms), np.arange(2 * terms)) / 4.0 ** np.arange(2 * terms)
-    moments = np.zeros((terms, terms, terms))
-    for k in range(terms):
+    root = binom(2 * np.arange(2 * MOMENTS), np.arange(2 * MOMENTS)) / 4.0 ** np.arange(2 * MOMENTS)
+    moments = np.zeros((MOMENTS, MOMENTS, MOMENTS))
+    for k in range(MOMENTS):
         sides = [np.convolve(polypow([1, 1], i), polypow([1, -1], k - i)) for i in range(k + 1)]
         i = np.arange(k + 1)
         means = np.array(sides) / (2.0**k * (2 * i + 1) * (2 * (k - i) + 1))[:, None]
@@ -113,31 +111,22 @@ def _moments(terms: int) -> Array:
 
 
 @lru_cache(maxsize=8)
-def _moments_of_cell(terms: int, e: float) -> list[list[Any]]:
+def _moments_of_cell(e: float) -> list[list[Any]]:
     """Return the coefficients (k, m) of ``c^m`` in the moments of a cell of anisotropy `e`, see :func:`multipoles`."""
-    moments = np.asarray(polyval(e, _moments(terms)))
-    return [list(moments[k, : k + 1]) for k in range(terms)]
+    moments = np.asarray(polyval(e, _moments()))
+    return [list(moments[k, : k + 1]) for k in range(MOMENTS)]
 
 
 def _near_and_middle(x: Array, y: Array, half_x: float, half_y: float) -> Array:
-    """Return the integral of 1/r over cells that are too near, or too long, for an expansion in four multipoles."""
+    """Return the integral of 1/r over cells that are too near, or too long, for an expansion in multipoles."""
     across, along = x / half_x, y / half_y
     near = np.maximum(across, along) < 2 * NEAR_DISTANCE
-    diagonal = np.hypot(half_x, half_y)
-    square = (x / diagonal) ** 2 + (y / diagonal) ** 2
-    beyond = ~near & (square >= MIDDLE_DISTANCE**2)
-    between = ~(near | beyond)
     result = np.empty(x.shape)
     result[near] = _edges(x[near], y[near], half_x, half_y)
-    if beyond.any():
-        q = 1 / square[beyond]
-        c = ((x[beyond] / diagonal) ** 2 - (y[beyond] / diagonal) ** 2) * q
-        e = float((half_x / diagonal) ** 2 - (half_y / diagonal) ** 2)
-        result[beyond] = 4 * half_x * (half_y / diagonal) * multipoles(c, q, e, MIDDLE_MOMENTS)
-    if between.any():
-        u, v, wide = x[between], y[between], across[between] >= along[between]
+    if not near.all():
+        u, v, wide = x[~near], y[~near], across[~near] >= along[~near]
         ordered = (np.where(wide, *pair) for pair in ((u, v), (v, u), (half_x, half_y), (half_y, half_x)))
-        result[between] = _lines(*ordered)
+        result[~near] = _lines(*ordered)
     return result
 
 

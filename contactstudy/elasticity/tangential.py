@@ -13,13 +13,7 @@ from contactstudy.elasticity.convolution import (
     GeneralConvolution,
     general_convolutions,
 )
-from contactstudy.elasticity.kernels.stress import (
-    SURFACE,
-    SWAPPED,
-    stress_cell,
-    stress_cell_doubly_periodic,
-    stress_cell_periodic,
-)
+from contactstudy.elasticity.kernels.stress import SURFACE, SWAPPED, StressCoefficients
 from contactstudy.elasticity.transforms import TRANSFORMS, ComplexField
 
 # A sum of weights is zero where it is smaller than this fraction of their sizes: the difference is rounding.
@@ -57,14 +51,14 @@ class CerrutiCoefficients:
         """Return the field of one cell; x and y broadcast."""
         if self.name == "yy":
             return self._inverse_distance.cell(x, y, dx, dy) - self._complement.cell(x, y, dx, dy)
-        return 2 * np.pi * stress_cell(SURFACE[self.name], x, y, 0.0, dx, dy, 0.0)
+        return 2 * np.pi * self._integral.cell(x, y, dx, dy)
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
         """Return the field of an infinite row of images along y; x is a column, y a row."""
         cell = dx, dy, period
         if self.name == "yy":
             return self._inverse_distance.row(x, y, *cell) - self._complement.row(x, y, *cell)
-        field = 2 * np.pi * stress_cell_periodic(SURFACE[self.name], x, y, 0.0, *cell, 0.0)
+        field = 2 * np.pi * self._integral.row(x, y, *cell)
         # the field of the row is constant across, beside what decays: the surface at the datum stays where it is
         return field - 2 * dx * dy / period if self.name == "xx" else field
 
@@ -77,7 +71,12 @@ class CerrutiCoefficients:
                 return self.swap_axes().lattice(*swapped, dy, dx, period, width).T
             field_yy = self._complement.lattice(x, y, *cell)
             return np.asarray(self._inverse_distance.lattice(x, y, *cell) - field_yy)
-        return 2 * np.pi * stress_cell_doubly_periodic(SURFACE[self.name], x, y, 0.0, *cell, 0.0)
+        return 2 * np.pi * self._integral.lattice(x, y, *cell)
+
+    @property
+    def _integral(self) -> StressCoefficients:
+        """Coefficients of the field over 2 pi, which depends on no Poisson's ratio."""
+        return StressCoefficients(SURFACE[self.name], 0.0, 0.0)
 
     @property
     def _inverse_distance(self) -> BoussinesqCoefficients:

@@ -26,14 +26,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import PPoly, make_interp_spline
 
 from contactstudy.domain.grid import Array
-from contactstudy.elasticity.kernels.stress import (
-    BOUSSINESQ,
-    CERRUTI_ACROSS,
-    CERRUTI_ALONG,
-    SURFACE,
-    SWAPPED,
-    CellKernel,
-)
+from contactstudy.elasticity.kernels.stress import BOUSSINESQ, FAMILIES, SURFACE, SWAPPED
 
 # Real numbers for real wave numbers, complex ones for complex ones.
 RealOrComplex = NDArray[np.inexact[Any]]
@@ -388,12 +381,7 @@ class DisplacementWaves(WaveResponse):
         return terms
 
 
-# Components of stress by the load on the surface: pressure, shear across (along x), shear along (along y).
-FAMILIES: Mapping[str, Mapping[str, CellKernel]] = {
-    "pressure": BOUSSINESQ,
-    "across": CERRUTI_ACROSS,
-    "along": CERRUTI_ALONG,
-}
+# The key of ``FAMILIES`` that takes the place of another when the axes are exchanged.
 SWAPPED_LOADS = {"pressure": "pressure", "across": "along", "along": "across"}
 
 

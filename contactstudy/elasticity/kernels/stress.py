@@ -1,7 +1,7 @@
 """Stress below a rectangular cell under uniform pressure or traction on a half-space: alone, in a row, in a lattice.
 
-Coefficients are stress over pressure or traction, for one component at a time, tension positive. x runs across, y along,
-z into the body. The surface under pressure is free of tangential traction.
+Coefficients are stress over pressure or traction, for one component at a time, tension positive. x runs across, y
+along, z into the body. The surface under pressure is free of tangential traction.
 """
 
 from collections.abc import Callable, Mapping
@@ -179,8 +179,8 @@ _XZ = CellKernel(
     lambda x, y, z, r, nu: -3 * z * z * x / ((r * r) * (r * r) * r),
     _xz_corner, lambda strip, nu: -strip.edge_terms.imag, "yz",
 )  # fmt: skip
-# Stress under unit pressure, by component. The points follow from the displacements under a normal force by Hooke's law,
-# with r + z in place of the brackets of the stresses. Source: Johnson (1985), eqs. 3.18; Love (1929), eqs. 3.25
+# Stress under unit pressure, by component. The points follow from the displacements under a normal force by Hooke's
+# law, with r + z in place of the brackets of the stresses. Source: Johnson (1985), eqs. 3.18; Love (1929), eqs. 3.25
 BOUSSINESQ = {
     component.name: component
     for component in (
@@ -205,43 +205,6 @@ BOUSSINESQ = {
 }  # fmt: skip
 # Names of the components of stress, in the order of arrays.
 COMPONENTS = tuple(BOUSSINESQ)
-
-
-def stress_cell(
-    component: CellKernel, x: ArrayLike, y: ArrayLike, z: float, dx: float, dy: float, poisson_ratio: float
-) -> Array:
-    """Return a component of stress over pressure below a rectangular cell.
-
-    The error is below 1e-12 of the largest component at that distance for ``dx / dy`` from 0.1 to 10, and beyond
-    in proportion to the larger of this ratio and its inverse. The result is even or odd in x and y to the last bit.
-
-    Parameters
-    ----------
-    component
-        Component to compute.
-    x, y
-        Offsets from the centre of the cell, which broadcast.
-    z
-        Depth at least 0, not 0 on the edge of the cell.
-    dx, dy
-        Sides of the cell, all lengths in one unit.
-    poisson_ratio
-        Poisson's ratio of the half-space.
-    """
-    offsets = (np.asarray(a, dtype=np.float64) for a in (x, y))
-    across, along = np.broadcast_arrays(*offsets)
-    even_x, even_y = component.parity
-    signs = sign(across, even_x) * sign(along, even_y)
-    u, v = np.abs(across), np.abs(along)
-    distance = np.sqrt(u * u + v * v + z * z) / max(dx, dy)
-    result = np.empty(u.shape)
-    near = distance < CORNER_DISTANCE
-    result[near] = _corners(component.corner, u[near], v[near], z, dx, dy, poisson_ratio)
-    ends = (*(start for start, _ in GAUSS_ZONES[1:]), np.inf)
-    for (start, points), end in zip(GAUSS_ZONES, ends, strict=True):
-        zone = (distance >= start) & (distance < end)
-        result[zone] = _points(component.point, u[zone], v[zone], z, dx, dy, poisson_ratio, points)
-    return np.asarray(signs * result / (2 * np.pi))
 
 
 def sign(offset: Array, parity: int) -> Array | float:
@@ -291,67 +254,6 @@ INTERPOLATED = 22, 14
 LATTICE_INTERPOLATED = 18
 # Images that the tail's rule is made from. The integral over those beyond is exact to 1 / (12 TAIL_IMAGES^3) ~ 1e-14.
 TAIL_IMAGES = 20_000
-
-
-def stress_cell_periodic(
-    component: CellKernel,
-    x: ArrayLike,
-    y: ArrayLike,
-    z: float,
-    dx: float,
-    dy: float,
-    period: float,
-    poisson_ratio: float,
-) -> Array:
-    """Return a component of stress over pressure (x, y) below a cell repeated infinitely along y.
-
-    The error is below 1e-12 of the largest component, of one cell or of the row, whichever is larger. The nearest images
-    are summed one by one. The others are 1/m^2 times a smooth function of 1/m, and summed by Gauss's rule for such sums
-    (Monien 2010, Math. Comp. 79), whose nodes are positions between the images. Far from the axis, the row is a strip in
-    plane strain.
-
-    Parameters
-    ----------
-    component
-        Component to compute.
-    x, y
-        Offsets from the centre of a cell: every x with every y.
-    z
-        Depth at least 0, not 0 on the edge of a cell.
-    dx, dy
-        Sides of the cell, ``dy <= period``; all lengths in one unit.
-    period
-        Distance between images along y.
-    poisson_ratio
-        Poisson's ratio of the half-space.
-    """
-    x, y = column_and_row(x, y)
-    y = y - period * np.round(y / period)
-    outer, inner = (np.maximum(np.abs(x.ravel()) + side * dx / 2, 0) for side in (1, -1))
-    far = (np.hypot(inner, z) >= PLANE_STRAIN_PERIODS * period) | (dy == period)
-    result = np.empty(np.broadcast_shapes(x.shape, y.shape))
-    if far.any():
-        plane = plane_strain(component, strip(x[far], z, dx), poisson_ratio)
-        result[far] = plane * (dy / period)
-    # in powers of two, each of which takes a rule for its tail
-    reach = np.exp2(np.ceil(np.log2(np.maximum(np.hypot(outer, z) / period, 1)))).astype(int)
-    for periods in np.unique(reach[~far]).tolist():
-        rows = ~far & (reach == periods)
-        near = sorted(range(1 - 2 * periods, 2 * periods), key=abs, reverse=True)
-
-        def far_images(u: Array, v: Array, periods: int = periods) -> Array:
-            positions, weights = _tail(2 * periods)
-            images = np.outer(positions, (1, -1)).reshape(-1, 1, 1) * period + v
-            stress = stress_cell(component, u, images, z, dx, dy, poisson_ratio)
-            return np.asarray(np.einsum("i,ixy->xy", np.repeat(weights, 2), stress))
-
-        # small terms add up before they meet the large ones
-        ends = periods * period, period / 2
-        total = _smooth(far_images, x[rows], y, ends, INTERPOLATED, component.parity)
-        for m in near:
-            total += stress_cell(component, x[rows], y + m * period, z, dx, dy, poisson_ratio)
-        result[rows] = total
-    return result
 
 
 def plane_strain(component: CellKernel, loaded_strip: Strip, poisson_ratio: float) -> Array:
@@ -416,68 +318,6 @@ def _tail(start: int) -> tuple[Array, Array]:
     nodes, vectors = np.linalg.eigh(basis.T @ (t[:, None] * basis))
     # Gauss's weights are those of m^2 f(m)
     return 1 / nodes, (vectors.T @ (basis.T @ root) / nodes) ** 2
-
-
-def stress_cell_doubly_periodic(
-    component: CellKernel,
-    x: ArrayLike,
-    y: ArrayLike,
-    z: float,
-    dx: float,
-    dy: float,
-    width: float,
-    period: float,
-    poisson_ratio: float,
-) -> Array:
-    """Return a component of stress over pressure (x, y) below a cell repeated along x and y.
-
-    The displacement is periodic along both axes: the mean strain along the surface is zero, and so the mean of xx and yy
-    is ``-nu / (1 - nu)`` of the mean pressure. Without this condition the sum would depend on its order. The error is
-    below 1e-12 of the largest component. Each row of :func:`stress_cell_periodic` less its strip vanishes within a few
-    periods; all strips together have a closed form.
-
-    Parameters
-    ----------
-    component
-        Component to compute.
-    x, y
-        Offsets from the centre of a cell: every x with every y.
-    z
-        Depth at least 0, not 0 on the edge of a cell.
-    dx, dy
-        Sides of the cell, all lengths in one unit.
-    width, period
-        Distances between images along x and y.
-    poisson_ratio
-        Poisson's ratio of the half-space.
-    """
-    x, y = column_and_row(x, y)
-    if period > width:  # the harmonics of the shorter period vanish sooner
-        swapped = component.swap_axes()
-        arguments = y.T, x.T, z, dy, dx, period, width, poisson_ratio
-        return stress_cell_doubly_periodic(swapped, *arguments).T
-    x = x - width * np.round(x / width)
-    y = y - period * np.round(y / period)
-
-    def rows(u: Array, v: Array, numbers: list[int]) -> Array:
-        images = np.add.outer(np.array(numbers) * width, u.ravel())
-        each = images.ravel()
-        stress = stress_cell_periodic(component, each, v, z, dx, dy, period, poisson_ratio)
-        plane = plane_strain(component, strip(each, z, dx), poisson_ratio)
-        stress -= plane[:, None] * (dy / period)
-        return np.asarray(stress.reshape(*images.shape, -1).sum(axis=0))
-
-    # smooth from the second row on
-    last = int(np.ceil(PLANE_STRAIN_PERIODS * period / width)) + 1
-    far = [side * m for m in range(last, 1, -1) for side in (1, -1)]
-    points = LATTICE_INTERPOLATED, LATTICE_INTERPOLATED
-    total = _smooth(lambda u, v: rows(u, v, far), x, y, (width / 2, period / 2), points, component.parity)
-    total += rows(x, y, [1, -1, 0])
-    strips = plane_strain(component, _strips(x, z, dx, width), poisson_ratio)
-    # deep strips have means of xx and yy of -1 and -2 nu; only kernels by pressure have these names and such means
-    confined = (1 - 2 * poisson_ratio) / (1 - poisson_ratio) * dx / width
-    confinement = {"xx": confined, "yy": poisson_ratio * confined}.get(component.name, 0.0)
-    return np.asarray(total + (strips + confinement) * (dy / period))
 
 
 def _strips(x: Array, z: float, dx: float, period: float) -> Strip:
@@ -596,16 +436,29 @@ for _name, _parity, _point, _corner, _plane in (
     SURFACE[_name] = CellKernel(f"{_name} on the surface", _parity, _point, _corner, _plane, SWAPPED[_name], SURFACE)
 
 
+# Components of stress by the load on the surface: pressure, shear across (along x), shear along (along y).
+FAMILIES: Mapping[str, Mapping[str, CellKernel]] = {
+    "pressure": BOUSSINESQ,
+    "across": CERRUTI_ACROSS,
+    "along": CERRUTI_ALONG,
+}
+
+
 @dataclass(frozen=True)
 class StressCoefficients:
-    """Influence coefficients of one stress component at one depth, over pressure or tangential traction.
+    """Influence coefficients of a stress component, or of another field, at one depth: response over the load on a cell.
+
+    They are :class:`~contactstudy.elasticity.convolution.Coefficients`. The response of one cell is exact to 1e-12 of
+    the largest component at that distance for ``dx / dy`` from 0.1 to 10, and beyond in proportion to the larger of
+    this ratio and its inverse; of a row or a lattice to 1e-12 of the largest component, of one cell or of all together,
+    whichever is larger. It is even or odd in x and y to the last bit.
 
     Parameters
     ----------
     component
         Component, with the load on the surface that causes it.
     depth
-        Depth below the surface [m].
+        Depth below the surface [m] at least 0; at 0 offsets should not be on the edge of a cell.
     poisson_ratio
         Poisson's ratio of the half-space.
     """
@@ -621,21 +474,97 @@ class StressCoefficients:
 
     def swap_axes(self) -> "StressCoefficients":
         """Return the component that takes this one's place when the axes are exchanged."""
-        return StressCoefficients(self.component.swap_axes(), self.depth, self.poisson_ratio)
+        return replace(self, component=self.component.swap_axes())
 
-    def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
-        """Return the stress over the traction on one cell."""
-        return stress_cell(self.component, x, y, self.depth, dx, dy, self.poisson_ratio)
+    def cell(self, x: ArrayLike, y: ArrayLike, dx: float, dy: float) -> Array:
+        """Return the response to one cell; x and y broadcast.
 
-    def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
-        """Return the stress over the traction on a cell and an infinite row of its images along y."""
-        cell = self.depth, dx, dy
-        return stress_cell_periodic(self.component, x, y, *cell, period, self.poisson_ratio)
+        Near the cell it is the difference of the component's `corner` at the four corners, beyond `CORNER_DISTANCE` an
+        integral by Gauss points.
+        """
+        z = self.depth
+        offsets = (np.asarray(a, dtype=np.float64) for a in (x, y))
+        across, along = np.broadcast_arrays(*offsets)
+        even_x, even_y = self.component.parity
+        signs = sign(across, even_x) * sign(along, even_y)
+        u, v = np.abs(across), np.abs(along)
+        distance = np.sqrt(u * u + v * v + z * z) / max(dx, dy)
+        result = np.empty(u.shape)
+        near = distance < CORNER_DISTANCE
+        result[near] = _corners(self.component.corner, u[near], v[near], z, dx, dy, self.poisson_ratio)
+        ends = (*(start for start, _ in GAUSS_ZONES[1:]), np.inf)
+        for (start, points), end in zip(GAUSS_ZONES, ends, strict=True):
+            zone = (distance >= start) & (distance < end)
+            result[zone] = _points(self.component.point, u[zone], v[zone], z, dx, dy, self.poisson_ratio, points)
+        return np.asarray(signs * result / (2 * np.pi))
 
-    def lattice(self, x: Array, y: Array, dx: float, dy: float, width: float, period: float) -> Array:
-        """Return the stress over the traction on a cell and an infinite lattice of its images."""
-        cell, periods = (self.depth, dx, dy), (width, period)
-        return stress_cell_doubly_periodic(self.component, x, y, *cell, *periods, self.poisson_ratio)
+    def row(self, x: ArrayLike, y: ArrayLike, dx: float, dy: float, period: float) -> Array:
+        """Return the response (x, y) to an infinite row of images along y, at every x with every y.
+
+        The nearest images are summed one by one. The others are 1/m^2 times a smooth function of 1/m, and summed by
+        Gauss's rule for such sums (Monien 2010, Math. Comp. 79), whose nodes are positions between the images. Far from
+        the axis, the row is a strip in plane strain.
+        """
+        (x, y), z = column_and_row(x, y), self.depth
+        y = y - period * np.round(y / period)
+        outer, inner = (np.maximum(np.abs(x.ravel()) + side * dx / 2, 0) for side in (1, -1))
+        far = (np.hypot(inner, z) >= PLANE_STRAIN_PERIODS * period) | (dy == period)
+        result = np.empty(np.broadcast_shapes(x.shape, y.shape))
+        if far.any():
+            plane = plane_strain(self.component, strip(x[far], z, dx), self.poisson_ratio)
+            result[far] = plane * (dy / period)
+        # in powers of two, each of which takes a rule for its tail
+        reach = np.exp2(np.ceil(np.log2(np.maximum(np.hypot(outer, z) / period, 1)))).astype(int)
+        for periods in np.unique(reach[~far]).tolist():
+            rows = ~far & (reach == periods)
+            near = sorted(range(1 - 2 * periods, 2 * periods), key=abs, reverse=True)
+
+            def far_images(u: Array, v: Array, periods: int = periods) -> Array:
+                positions, weights = _tail(2 * periods)
+                images = np.outer(positions, (1, -1)).reshape(-1, 1, 1) * period + v
+                stress = self.cell(u, images, dx, dy)
+                return np.asarray(np.einsum("i,ixy->xy", np.repeat(weights, 2), stress))
+
+            # small terms add up before they meet the large ones
+            ends = periods * period, period / 2
+            total = _smooth(far_images, x[rows], y, ends, INTERPOLATED, self.parity)
+            for m in near:
+                total += self.cell(x[rows], y + m * period, dx, dy)
+            result[rows] = total
+        return result
+
+    def lattice(self, x: ArrayLike, y: ArrayLike, dx: float, dy: float, width: float, period: float) -> Array:
+        """Return the response (x, y) to an infinite lattice of images along both axes, at every x with every y.
+
+        The displacement is periodic along both axes: the mean strain along the surface is zero, and so the mean of xx
+        and yy is ``-nu / (1 - nu)`` of the mean pressure. Without this condition the sum would depend on its order.
+        Each row less its strip vanishes within a few periods; all strips together have a closed form.
+        """
+        (x, y), nu = column_and_row(x, y), self.poisson_ratio
+        if period > width:  # the harmonics of the shorter period vanish sooner
+            return self.swap_axes().lattice(y.T, x.T, dy, dx, period, width).T
+        x = x - width * np.round(x / width)
+        y = y - period * np.round(y / period)
+
+        def rows(u: Array, v: Array, numbers: list[int]) -> Array:
+            images = np.add.outer(np.array(numbers) * width, u.ravel())
+            each = images.ravel()
+            stress = self.row(each, v, dx, dy, period)
+            plane = plane_strain(self.component, strip(each, self.depth, dx), self.poisson_ratio)
+            stress -= plane[:, None] * (dy / period)
+            return np.asarray(stress.reshape(*images.shape, -1).sum(axis=0))
+
+        # smooth from the second row on
+        last = int(np.ceil(PLANE_STRAIN_PERIODS * period / width)) + 1
+        far = [side * m for m in range(last, 1, -1) for side in (1, -1)]
+        points = LATTICE_INTERPOLATED, LATTICE_INTERPOLATED
+        total = _smooth(lambda u, v: rows(u, v, far), x, y, (width / 2, period / 2), points, self.parity)
+        total += rows(x, y, [1, -1, 0])
+        strips = plane_strain(self.component, _strips(x, self.depth, dx, width), nu)
+        # deep strips have means of xx and yy of -1 and -2 nu; only kernels by pressure have these names and such means
+        confined = (1 - 2 * nu) / (1 - nu) * dx / width
+        confinement = {"xx": confined, "yy": nu * confined}.get(self.component.name, 0.0)
+        return np.asarray(total + (strips + confinement) * (dy / period))
 
 
 @dataclass(frozen=True)
@@ -647,5 +576,4 @@ class HalfSpaceStress:
 
     def coefficients(self, traction: str, component: str, depth: float) -> tuple[tuple[StressCoefficients, float], ...]:
         """Return the coefficients of Boussinesq and Cerruti, with the weight 1."""
-        families = {"pressure": BOUSSINESQ, "across": CERRUTI_ACROSS, "along": CERRUTI_ALONG}
-        return ((StressCoefficients(families[traction][component], depth, self.poisson_ratio), 1.0),)
+        return ((StressCoefficients(FAMILIES[traction][component], depth, self.poisson_ratio), 1.0),)

@@ -15,9 +15,9 @@ import numpy as np
 from contactstudy.domain.validation import InvalidInput, Metres, validated
 from contactstudy.elasticity.coating import CoatingCoefficients
 from contactstudy.elasticity.convolution import BoussinesqCoefficients, Coefficients
-from contactstudy.elasticity.kernels.layer_response import FAMILIES, DisplacementWaves, LayerResponse, StressWaves
+from contactstudy.elasticity.kernels.layer_response import DisplacementWaves, LayerResponse, StressWaves
 from contactstudy.elasticity.kernels.layer_waves import WaveCoefficients
-from contactstudy.elasticity.kernels.stress import HalfSpaceStress, StressCoefficients
+from contactstudy.elasticity.kernels.stress import FAMILIES, HalfSpaceStress, StressCoefficients
 from contactstudy.scene.solids.bodies import HalfSpace
 
 if TYPE_CHECKING:

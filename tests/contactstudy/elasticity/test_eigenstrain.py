@@ -18,7 +18,7 @@ from contactstudy.elasticity.eigenstrain.plane_strain_operator import (
     PlaneStrainOperator,
     Volume,
 )
-from contactstudy.elasticity.kernels.stress import BOUSSINESQ, stress_cell_periodic
+from contactstudy.elasticity.kernels.stress import BOUSSINESQ, StressCoefficients
 from tests.conftest import STEEL as STEEL_BODY
 
 STEEL = Moduli(2.6, 0.3)  # 2G = 2
@@ -85,7 +85,7 @@ def test_a_pressed_cell_makes_the_stress_of_its_point_formulas_where_it_varies_a
         for number, name in enumerate(TENSOR):
             for point, weight in zip(points, weights, strict=True):
                 z = (top + bottom) / 2 + point * (bottom - top)
-                at = stress_cell_periodic(BOUSSINESQ[name], x, y, z, 1.0, 1.5, 12.0, 0.3)
+                at = StressCoefficients(BOUSSINESQ[name], z, 0.3).row(x, y, 1.0, 1.5, 12.0)
                 cells = at.reshape(6, 5, 8, 5)
                 mean[number] += weight * np.einsum("iajb,a,b->ij", cells, weights, weights)
         # short waves: exp(-pi z / dx) of the third in the first layer, nothing of them below

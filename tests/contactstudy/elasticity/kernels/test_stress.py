@@ -6,18 +6,16 @@ import pytest
 from numpy.polynomial.legendre import leggauss
 from numpy.testing import assert_allclose, assert_array_equal
 
-from contactstudy.elasticity.kernels.layer_response import FAMILIES
 from contactstudy.elasticity.kernels.stress import (
     BOUSSINESQ,
     CERRUTI_ACROSS,
     CERRUTI_ALONG,
     COMPONENTS,
+    FAMILIES,
     SURFACE,
     CellKernel,
+    StressCoefficients,
     plane_strain,
-    stress_cell,
-    stress_cell_doubly_periodic,
-    stress_cell_periodic,
     strip,
 )
 from contactstudy.elasticity.tangential import CerrutiCoefficients
@@ -32,7 +30,7 @@ IMAGES = 200 * 2 ** np.arange(6)
 
 
 def six(x: float, y: float, z: float, dx: float, dy: float) -> np.ndarray:
-    return np.array([float(stress_cell(c, x, y, z, dx, dy, NU)) for c in BOUSSINESQ.values()])
+    return np.array([float(StressCoefficients(c, z, NU).cell(x, y, dx, dy)) for c in BOUSSINESQ.values()])
 
 
 def to_the_limit(sums: list[np.ndarray], steps: np.ndarray) -> np.ndarray:
@@ -48,9 +46,9 @@ def to_the_limit(sums: list[np.ndarray], steps: np.ndarray) -> np.ndarray:
 def summed_images(component: CellKernel, x: float, z: float, dx: float, dy: float, period: float) -> np.ndarray:
     """Single cells by the hundred, extrapolated to infinitely many."""
     m = np.arange(1, IMAGES[-1] + 1)
-    images = sum(stress_cell(component, x, Y[:, None] + s * m * period, z, dx, dy, NU) for s in (1, -1))
+    images = sum(StressCoefficients(component, z, NU).cell(x, Y[:, None] + s * m * period, dx, dy) for s in (1, -1))
     running = np.cumsum(images, axis=-1)
-    own = stress_cell(component, x, Y, z, dx, dy, NU)
+    own = StressCoefficients(component, z, NU).cell(x, Y, dx, dy)
     return own + to_the_limit([running[..., n - 1] for n in IMAGES], 1 / (IMAGES + 0.5))
 
 
@@ -101,7 +99,7 @@ def test_stress_under_a_sheared_cell_is_the_integral_of_point_loads(name: str) -
     for _ in range(8):
         x, y, z, dx, dy = chance.uniform((-2, -2, 0.5, 0.3, 0.3), 2)
         largest = max(abs(by_quadrature(other, 0.3, 0.2, z, dx, dy)) for other in SHEARED.values())
-        computed = float(stress_cell(kernel, x, y, z, dx, dy, NU))
+        computed = float(StressCoefficients(kernel, z, NU).cell(x, y, dx, dy))
         assert abs(computed - by_quadrature(kernel, x, y, z, dx, dy)) <= EXACT * largest
 
 
@@ -139,7 +137,7 @@ def test_row_is_the_sum_of_its_images(row: tuple[float, float, float, float], fa
     x, z, dx, dy = row
     kernels = FAMILIES[family].values()
     expected = np.stack([summed_images(kernel, *row, 1.3) for kernel in kernels])
-    computed = [stress_cell_periodic(kernel, x, Y, z, dx, dy, 1.3, NU)[0] for kernel in kernels]
+    computed = [StressCoefficients(kernel, z, NU).row(x, Y, dx, dy, 1.3)[0] for kernel in kernels]
     # far away images cancel that are each as large as the nearest of them
     largest = max(np.abs(expected).max(), np.abs(six(x, 0.0, z, dx, dy)).max())
     assert_allclose(computed, expected, rtol=0, atol=EXACT * largest)
@@ -158,12 +156,12 @@ def test_cells_of_one_period_are_a_strip_with_its_textbook_stress() -> None:
     }
     y = np.arange(count) * period / count
     for name, component in BOUSSINESQ.items():
-        cells = stress_cell_periodic(component, x, y, z, 2 * a, period / count, period, NU)
+        cells = StressCoefficients(component, z, NU).row(x, y, 2 * a, period / count, period)
         endless = plane_strain(component, strip(x, z, 2 * a), NU)
         assert_allclose(endless, expected.get(name, 0 * x), rtol=0, atol=1e-15)
         assert_allclose(cells.sum(axis=1), endless, rtol=0, atol=1e-14)
     for component in (*CERRUTI_ACROSS.values(), *CERRUTI_ALONG.values()):
-        cells = stress_cell_periodic(component, x, y, z, 2 * a, period / count, period, NU)
+        cells = StressCoefficients(component, z, NU).row(x, y, 2 * a, period / count, period)
         endless = plane_strain(component, strip(x, z, 2 * a), NU)
         assert_allclose(cells.sum(axis=1), endless, rtol=0, atol=1e-14)
 
@@ -173,22 +171,25 @@ def test_lattice_is_the_sum_of_rows_but_for_its_mean(name: str) -> None:
     """Under uniform pressure the body does not spread, ``xx = yy = -nu / (1 - nu)``, at any depth."""
     width, period, cell = 2.0, 1.3, (0.2, 0.3, 0.2)
     x, y = np.array([0.1, 0.7]), np.array([0.2, 0.6])
-    computed = stress_cell_doubly_periodic(BOUSSINESQ[name], x, y, *cell, width, period, NU)
+    computed = StressCoefficients(BOUSSINESQ[name], cell[0], NU).lattice(x, y, *cell[1:], width, period)
     strips, rows = np.array([20, 40, 80, 160, 320]), np.arange(1, 321)
     images = np.stack(
         [
-            sum(stress_cell_periodic(BOUSSINESQ[name], x + s * m * width, y, *cell, period, NU) for s in (1, -1))
+            sum(
+                StressCoefficients(BOUSSINESQ[name], cell[0], NU).row(x + s * m * width, y, *cell[1:], period)
+                for s in (1, -1)
+            )
             for m in rows.tolist()
         ]
     )
     running = np.cumsum(images, axis=0)
-    own = stress_cell_periodic(BOUSSINESQ[name], x, y, *cell, period, NU)
+    own = StressCoefficients(BOUSSINESQ[name], cell[0], NU).row(x, y, *cell[1:], period)
     summed = own + to_the_limit([running[n - 1] for n in strips], 1 / (strips + 0.5))
     fraction = 0.3 * 0.2 / (width * period)
     held = {"xx": fraction * (1 - 2 * NU) / (1 - NU), "yy": NU * fraction * (1 - 2 * NU) / (1 - NU)}
     assert_allclose(computed, summed + held.get(name, 0.0), rtol=0, atol=1e-11 * 0.3 * 0.2)
     mean = {"xx": -NU / (1 - NU), "yy": -NU / (1 - NU), "zz": -1.0}.get(name, 0.0)
-    deep = stress_cell_doubly_periodic(BOUSSINESQ[name], x, y, 1e3, *cell[1:], width, period, NU)
+    deep = StressCoefficients(BOUSSINESQ[name], 1e3, NU).lattice(x, y, *cell[1:], width, period)
     assert_allclose(deep, mean * fraction, rtol=0, atol=1e-12 * fraction)
 
 
@@ -200,9 +201,9 @@ def test_a_sheared_lattice_is_in_equilibrium_and_turns_with_its_axes(family: dic
     dx, dy = (a / n for a, n in zip(extent, cells, strict=True))
     x, y = np.arange(cells[0])[:, None] * dx, np.arange(cells[1]) * dy
     for name, kernel in family.items():
-        lattice = stress_cell_doubly_periodic(kernel, x, y, depth, dx, dy, *extent, NU)
-        turned = stress_cell_doubly_periodic(
-            kernel.swap_axes(), y.reshape(-1, 1), x.reshape(1, -1), depth, dy, dx, *extent[::-1], NU
+        lattice = StressCoefficients(kernel, depth, NU).lattice(x, y, dx, dy, *extent)
+        turned = StressCoefficients(kernel.swap_axes(), depth, NU).lattice(
+            y.reshape(-1, 1), x.reshape(1, -1), dy, dx, *extent[::-1]
         )
         assert_allclose(lattice, turned.T, atol=1e-12)
         carried = -1.0 if name == ("xz" if family is CERRUTI_ACROSS else "yz") else 0.0

@@ -1,7 +1,7 @@
 """Pictures of any answer, by what its dataset holds, and of a measured surface as it enters a contact."""
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from io import BytesIO
 from math import floor, inf, log10
 from pathlib import Path
@@ -25,6 +25,7 @@ from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 SETTINGS: Any = mpl.rc_params_from_file(Path(__file__).with_name("contactstudy.mplstyle"), use_default_template=False)
 # Okabe & Ito (2008), safe for colour-blind readers.
 BLUE, RED, GREEN, PURPLE, ORANGE, SKY = COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+GREY = "#595959"
 LAW_STYLE: dict[str, Any] = {"color": "black", "linestyle": ":", "linewidth": 1.0, "marker": "none"}
 
 
@@ -216,6 +217,15 @@ BESIDE: Any = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}
 Panel = Callable[[Axes, xr.Dataset, str], None]
 # Variables whose panel is drawn even if all of their values are zero.
 ALWAYS_DRAWN = "pressure", "gap", "load"
+# Variables that are drawn together with one, on its panel, itself first.
+TOGETHER = {
+    "shear_x": ("shear_x", "shear_y"),
+    "a": ("a", "b"),
+    "load": ("load", "peak_pressure", "contact_area"),
+    "central_film": ("central_film", "minimum_film"),
+}
+# Variables on a logarithmic axis: a film is a hundred times as thick beside the contact as in it.
+LOGARITHMIC = ("film",)
 
 
 class Kind(NamedTuple):
@@ -273,23 +283,38 @@ def _inside(dataset: xr.Dataset, reach: float) -> xr.Dataset:
     return dataset.sel(x=slice(-distance, distance))
 
 
-def _curves(
-    ax: Axes, dataset: xr.Dataset, curves: Mapping[str, tuple[xr.DataArray, str]], scale: tuple[float, str],
-    names: tuple[str, str],
-) -> None:  # fmt: skip
-    """Draw curves over the width, by label with colours, in a unit of display, with the `names` of y axis and panel."""
+def _section(ax: Axes, dataset: xr.Dataset, name: str) -> None:
+    """Draw a variable across the middle of the length, with those that are drawn together with it."""
+    names = [other for other in TOGETHER.get(name, (name,)) if dataset[other].any() or other == name]
+    scale, unit = _unit(dataset, names)
     x, across = in_display_unit(dataset["x"], "m", "across")
-    for label, (values, color) in curves.items():
-        ax.plot(x, values / scale[0], label=label, color=color)
-    name_axes(ax, across, f"{names[0]} [{scale[1]}]", names[1])
+    for other, color in zip(names, (GREEN, RED), strict=False):
+        label = str(dataset[other].attrs["long_name"]) if len(names) > 1 else ""
+        ax.plot(x, in_the_middle(dataset[other]) / scale, label=label, color=color)
+    what = str(dataset[name].attrs["long_name"]).partition(" along ")[0]
+    name_axes(ax, across, f"{what} [{unit}]", "in the middle")
+    if name in LOGARITHMIC:
+        ax.set_yscale("log")
+
+
+def _unit(dataset: xr.Dataset, names: Sequence[str]) -> tuple[float, str]:
+    """Return the unit for display of some variables together, its size and its name.
+
+    It is that of the largest value, or of the mean where an axis is logarithmic.
+    """
+    sizes = abs(dataset[list(names)]).to_array()
+    return display_unit_of(sizes.mean() if names[0] in LOGARITHMIC else sizes, dataset[names[0]].attrs["units"])
 
 
 def _map(ax: Axes, dataset: xr.Dataset, name: str) -> None:
-    """Draw the pressure over the grid."""
+    """Draw a variable over the grid, one with values of both signs in colours of both signs."""
     x, across = in_display_unit(dataset["x"], "m", "across")
     y, along = in_display_unit(dataset["y"], "m", "along")
-    pressure, title = in_display_unit(dataset[name], "Pa", "pressure")
-    draw_map(ax, y, x, pressure, (along, across, title))
+    scale, unit = _unit(dataset, [name])
+    values = dataset[name] / scale
+    largest = float(np.abs(values).max()) or 1.0
+    look = {"cmap": "RdBu_r", "vmin": -largest, "vmax": largest} if (values < 0).any() else {}
+    draw_map(ax, y, x, values, (along, across, f"{dataset[name].attrs['long_name']} [{unit}]"), **look)
     if "half_length" in dataset:  # a point contact is drawn to equal scale
         ax.set_aspect(display_unit_of(dataset["x"], "m")[0] / display_unit_of(dataset["y"], "m")[0])
 
@@ -308,35 +333,20 @@ def _along(ax: Axes, dataset: xr.Dataset, name: str) -> None:
 
 def _across(ax: Axes, dataset: xr.Dataset, name: str) -> None:
     """Draw the pressure across, with its range along the length, the attraction and Hertz's pressure."""
-    x, _ = in_display_unit(dataset["x"], "m", "across")
+    x, across = in_display_unit(dataset["x"], "m", "across")
     pressure = dataset[name]
-    scale = display_unit_of(pressure, "Pa")
+    scale, unit = display_unit_of(pressure, "Pa")
     if dataset.sizes["y"] > 1:
         look: Any = {"color": BLUE, "alpha": 0.18, "linewidth": 0, "label": "lowest to highest"}
-        ax.fill_between(x, pressure.min("y") / scale[0], pressure.max("y") / scale[0], **look)
-    curves = {"in the middle": (in_the_middle(pressure), BLUE)}
+        ax.fill_between(x, pressure.min("y") / scale, pressure.max("y") / scale, **look)
+    ax.plot(x, in_the_middle(pressure) / scale, label="in the middle", color=BLUE)
     if "attraction" in dataset:
-        curves["attraction, downwards"] = -in_the_middle(dataset["attraction"]), RED
-    _curves(ax, dataset, curves, scale, ("pressure", "across the contact"))
+        ax.plot(x, -in_the_middle(dataset["attraction"]) / scale, label="attraction, downwards", color=RED)
     if "hertz_half_width" in dataset:
         t = dataset["x"] / float(dataset["hertz_half_width"])
         hertz = float(dataset["hertz_peak_pressure"]) * np.sqrt(np.clip(1 - t**2, 0, None))
-        ax.plot(x, hertz / scale[0], label="Hertz", **LAW_STYLE)
-
-
-def _gap(ax: Axes, dataset: xr.Dataset, name: str) -> None:
-    """Draw the gap across the middle of the length."""
-    gap = in_the_middle(dataset[name])
-    _curves(ax, dataset, {"": (gap, GREEN)}, display_unit_of(gap, "m"), ("gap", "gap in the middle"))
-
-
-def _shear(ax: Axes, dataset: xr.Dataset, name: str) -> None:
-    """Draw both components of the tangential traction across the middle of the length."""
-    across, along = (in_the_middle(dataset[component]) for component in (name, "shear_y"))
-    curves = {"traction across": (across, RED), "traction along": (along, GREEN)}
-    shown = {label: curve for label, curve in curves.items() if curve[0].any()}
-    scale = display_unit_of(abs(across) + abs(along), "Pa")
-    _curves(ax, dataset, shown, scale, ("traction", "tangential traction in the middle"))
+        ax.plot(x, hertz / scale, label="Hertz", **LAW_STYLE)
+    name_axes(ax, across, f"pressure [{unit}]", "across the contact")
 
 
 def _ends(ax: Axes, dataset: xr.Dataset, name: str) -> None:
@@ -392,31 +402,13 @@ def comparison_picture(fields: xr.Dataset, at: tuple[float, float]) -> Figure:
 
     The `fields` (x, y) [Pa] are the pressures ``a`` and ``b``, and ``difference``, that of b less that of a.
     """
-    scale = display_unit_of(fields["a"], "Pa")
 
-    def sections(ax: Axes, fields: xr.Dataset, name: str) -> None:
-        section = fields.sel(y=at[1], method="nearest")
-        curves = {"a": (section[name], BLUE), "b": (section["b"], RED)}
-        _curves(ax, fields, curves, scale, ("pressure", "where they differ most"))
+    def where_they_differ_most(ax: Axes, fields: xr.Dataset, name: str) -> None:
+        _section(ax, fields.sel(y=[at[1]], method="nearest"), name)
+        ax.set_title("where they differ most")
         ax.lines[-1].set_linestyle("--")
 
-    def change(ax: Axes, fields: xr.Dataset, name: str) -> None:
-        x, across = in_display_unit(fields["x"], "m", "across")
-        y, along = in_display_unit(fields["y"], "m", "along")
-        values = fields[name] / scale[0]
-        largest = float(np.abs(values).max()) or 1.0
-        draw_map(ax, y, x, values, (along, across, f"b - a [{scale[1]}]"), cmap="RdBu_r", vmin=-largest, vmax=largest)
-
-    maps = [("difference", change)] if fields.sizes["y"] > 1 else []
-    return _picture(fields, Kind(set(), [*maps, ("a", sections)]))
-
-
-def _film_alone(ax: Axes, contact: xr.Dataset, name: str) -> None:
-    """Draw the film across the middle on a logarithmic axis, with its lambda ratio if it has one."""
-    film = in_the_middle(contact[name])
-    ratio = f", lambda ratio {float(contact['lambda_ratio']):.3g}" if "lambda_ratio" in contact else ""
-    _curves(ax, contact, {"": (film, GREEN)}, display_unit_of(film, "m"), ("film", f"film in the middle{ratio}"))
-    ax.set_yscale("log")
+    return _picture(fields, Kind(set(), [("difference", _map), ("a", where_they_differ_most)]))
 
 
 def _film(ax: Axes, contact: xr.Dataset, name: str) -> None:
@@ -440,48 +432,19 @@ def _film(ax: Axes, contact: xr.Dataset, name: str) -> None:
     ax.set_title("pressure and film" if len(scales) == 1 else "pressure, film and temperature")
 
 
-def _lines(ax: Axes, evolved: xr.Dataset, name: str, scale: tuple[float, str] | None = None) -> None:
-    """Draw a variable across the middle of the length at some instants, the first dark, the last bright.
-
-    The `scale` is the value of one unit and its name; None chooses it.
-    """
-    scale = scale or display_unit_of(abs(evolved[name]), evolved[name].attrs["units"])
+def _lines(ax: Axes, evolved: xr.Dataset, name: str) -> None:
+    """Draw a variable across the middle of the length at some instants, the first dark, the last bright."""
+    scale, unit = _unit(evolved, [name])
     middle = in_the_middle(evolved[name])
     x, across = in_display_unit(evolved["x"], "m", "across")
     chosen = _instants(middle.values)
     for number, color in zip(chosen, _dark_to_bright(len(chosen)), strict=True):
         instant = middle.isel(time=number)
-        ax.plot(x, instant / scale[0], color=color, label=f"{float(instant['time']):.3g} s")
-    ax.set(xlabel=across, ylabel=f"{evolved[name].attrs['long_name']} [{scale[1]}]")
+        ax.plot(x, instant / scale, color=color, label=f"{float(instant['time']):.3g} s")
+    ax.set(xlabel=across, ylabel=f"{evolved[name].attrs['long_name']} [{unit}]")
     ax.legend(**BESIDE)
-
-
-def _film_over_time(ax: Axes, evolved: xr.Dataset, name: str) -> None:
-    """Draw the film across the middle over time and width, as colours on a logarithmic scale."""
-    scale, unit = _film_unit(evolved)
-    x, across = in_display_unit(evolved["x"], "m", "across")
-    film = in_the_middle(evolved[name]).T / scale
-    draw_map(ax, evolved["time"], x, film, ("time [s]", across, f"film in the middle [{unit}]"), norm="log")
-    ax.set_xlim(*evolved["time"].values[[0, -1]])
-
-
-def _film_lines(ax: Axes, evolved: xr.Dataset, name: str) -> None:
-    """Draw the film across the middle at some instants, on a logarithmic axis."""
-    _lines(ax, evolved, name, _film_unit(evolved))
-    ax.set_yscale("log")
-
-
-def _film_numbers(ax: Axes, evolved: xr.Dataset, name: str) -> None:
-    """Draw the central and the minimum film against time."""
-    scale, unit = _film_unit(evolved)
-    for number, color in ((name, BLUE), ("minimum_film", RED)):
-        ax.plot(evolved["time"], evolved[number] / scale, color=color, label=evolved[number].attrs["long_name"])
-    ax.set(xlabel="time [s]", ylabel=f"film [{unit}]")
-
-
-def _film_unit(evolved: xr.Dataset) -> tuple[float, str]:
-    """Return the unit for display [m] of the mean film, and its name."""
-    return display_unit_of(evolved["film"].mean(), "m")
+    if name in LOGARITHMIC:
+        ax.set_yscale("log")
 
 
 def _passes(ax: Axes, rolled: xr.Dataset, name: str) -> None:
@@ -548,28 +511,32 @@ def _residual(ax: Axes, evolved: xr.Dataset, name: str) -> None:
 
 
 def _map_over_time(ax: Axes, evolved: xr.Dataset, name: str) -> None:
-    """Draw the mean pressure along the length over time and width."""
-    pressure, title = in_display_unit(evolved[name].mean("y"), "Pa", "mean pressure")
+    """Draw the mean of a variable along the length over time and width."""
+    scale, unit = _unit(evolved, [name])
     x, across = in_display_unit(evolved["x"], "m", "across")
     # an instant given twice is a jump: the map has room for one
     time = evolved["time"].values
     distinct = np.append(np.diff(time) > 0, [True])
-    shading = "nearest" if distinct.sum() > 1 else "auto"
-    values, names = pressure.values[distinct].T, ("time [s]", across, title)
-    draw_map(ax, time[distinct], x, values, names, shading=shading)
+    values = (evolved[name].mean("y") / scale).values[distinct].T
+    look = {"shading": "nearest" if distinct.sum() > 1 else "auto", "norm": "log" if name in LOGARITHMIC else None}
+    draw_map(
+        ax, time[distinct], x, values, ("time [s]", across, f"mean {evolved[name].attrs['long_name']} [{unit}]"), **look
+    )
     if distinct.sum() > 1:
         ax.set_xlim(time[0], time[-1])
 
 
 def _numbers(ax: Axes, evolved: xr.Dataset, name: str) -> None:
-    """Draw load, peak pressure and contact area over their largest values."""
-    for number, color in ((name, "#595959"), ("peak_pressure", BLUE), ("contact_area", GREEN)):
+    """Draw a number, and those that are drawn together with it, over their largest values against time."""
+    lowest = 0.0
+    for number, color in zip(TOGETHER[name], (GREY, BLUE, GREEN), strict=False):
         values = evolved[number]
         largest = float(values.max()) or 1.0
         label = f"{values.attrs['long_name']} over {readable(largest, values.attrs['units'], 3)}"
         ax.plot(evolved["time"], values / largest, color=color, label=label)
+        lowest = min(lowest, float(values.min()) / largest)
     ax.set(xlabel="time [s]", ylabel="relative to the maximum")
-    ax.set_ylim(bottom=min(0.0, float(evolved[name].min() / (evolved[name].max() or 1.0))))
+    ax.set_ylim(bottom=lowest)
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2))
 
 
@@ -595,11 +562,11 @@ def _errors(ax: Axes, evolved: xr.Dataset, name: str) -> None:
 KINDS = (
     Kind(
         {"film", "time"},
-        [("pressure", _lines), ("film", _film_lines), ("film", _film_over_time), ("central_film", _film_numbers)],
+        [("pressure", _lines), ("film", _lines), ("film", _map_over_time), ("central_film", _numbers)],
         width=5.4,
         reach=FILM_WIDTH_IN_TIME,
     ),
-    Kind({"film"}, [("film", _film), ("film", _film_alone), ("pressure", _map)]),
+    Kind({"film"}, [("film", _film), ("film", _section), ("pressure", _map)]),
     Kind({"pass_number"}, [("residual_stress", _passes), ("equivalent_plastic_strain", _passes)]),
     Kind(
         {"gap", "time"},
@@ -614,8 +581,8 @@ KINDS = (
     Kind(
         {"gap"},
         [
-            ("pressure", _map), ("pressure", _along), ("pressure", _across), ("gap", _gap), ("drop", _ends),
-            ("shear_x", _shear), ("loop_force", _fretting_loop), ("von_mises", _stress),
+            ("pressure", _map), ("pressure", _along), ("pressure", _across), ("gap", _section), ("drop", _ends),
+            ("shear_x", _section), ("loop_force", _fretting_loop), ("von_mises", _stress),
         ],
     ),
 )  # fmt: skip

@@ -175,7 +175,6 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
     bodies = relaxed(scene.solids, duration)
     modulus = contact_modulus(bodies, hertz.half_width if hertz else None)
     half_width = sqrt(4 * hertz.load_per_length * hertz.radius / (pi * modulus)) if hertz else 0.0
-    crept = half_width / hertz.half_width if hertz else 1.0
     # creep keeps a field for each of its terms, at both ends of a step
     terms = sum(len(body.creep.terms) + bool(body.creep.fluidity) for body in creeping(scene.solids))
     plastic = expected_plastic_zone(scene)
@@ -187,7 +186,7 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
         return TransientRequirements(elastic, width, least_width, bodies, ROLLING_FIELDS, plastic=plastic)
     if plastic is not None:
         half_width = max(half_width, plastic.half_extent / WIDTH_FACTOR)
-        crept = half_width / hertz.half_width if hertz else 1.0
+    widened = half_width / hertz.half_width if hertz else 1.0
     wear, ellipse, worn_volume = scene.wear, scene.ellipse, 0.0
     # a body that wears around its circumference keeps its shape
     if wear is not None and wear.coefficient and wear.circumference is None and hertz is not None and duration:
@@ -214,7 +213,7 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
         assert scene.roller_length is not None
         semi_axis = ellipse.semi_axes[1]
         across, along = scene.curvatures
-        longest = worn_semi_axis(crept * semi_axis, along, across, worn_volume)
+        longest = worn_semi_axis(widened * semi_axis, along, across, worn_volume)
         length = scene.roller_length * longest / semi_axis
     fields = 2 * terms + INTEGRATION_FIELDS
     return TransientRequirements(narrow, width, width, bodies, fields, warnings, plastic, length)

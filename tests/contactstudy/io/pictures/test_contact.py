@@ -12,7 +12,10 @@ GAP = 1e-8 * np.arange(12.0).reshape(3, 4)
 
 
 def test_the_map_and_both_sections_show_each_number_in_its_unit() -> None:
-    fields = {"pressure": (("x", "y"), PRESSURE), "gap": (("x", "y"), GAP)}
+    fields = {
+        "pressure": (("x", "y"), PRESSURE, {"long_name": "contact pressure", "units": "Pa"}),
+        "gap": (("x", "y"), GAP, {"long_name": "gap", "units": "m"}),
+    }
     of_hertz = {"hertz_peak_pressure": 45e6, "hertz_half_width": 2e-4}
     dataset = xr.Dataset({**fields, **of_hertz}, coords={"x": X, "y": Y})
     figure = picture_of(dataset)

@@ -387,7 +387,7 @@ class _Request:
         return last.seconds * (cells + fixed) / (present + fixed)
 
     def refinements(self, levels: list[Level]) -> Iterator[Grid]:
-        """Yield the finer grids that a solve is expected to take, from the bounds on coarse ones."""
+        """Yield the finer grids that a solve is expected to take after the planned one, from the bounds on `levels`."""
         grid: Grid | None = self.planned.grid
         for _ in range(REFINEMENTS):
             assert grid is not None
@@ -399,7 +399,7 @@ class _Request:
             yield grid
 
     def grid_of_film(self, last: Level) -> Grid:
-        """Return the grid on which a film is expected to end: refined as that to a larger error was."""
+        """Return the grid on which a film is expected to end: refined as that of the `last` level, to a larger error."""
         from contactstudy.planning.film_plan import film_grid
 
         planned, found = self.planned.grid, last.grid
@@ -424,7 +424,7 @@ class _Watch:
         self._first, self._begun = 0, 0.0
 
     def __call__(self, progress: Progress) -> None:
-        """Record the fraction that is done, which begins anew on each grid of a film."""
+        """Record the fraction that is done by a `progress`, which begins anew on each grid of a film."""
         if self.reports and progress.fraction < self.reports[-1][0]:
             self._first, self._begun = len(self.reports), self.reports[-1][1]
         self.reports.append((progress.fraction, self.seconds))

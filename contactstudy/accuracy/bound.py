@@ -300,7 +300,7 @@ def _cut_off(solution: Solution) -> str:
 
 
 def _unresolved_length(problem: Problem) -> str:
-    """Return why the cells are too large for a length scale of a shape; an empty string where they are not."""
+    """Return why the cells of `problem` are too large for a wave of its shapes; an empty string where they are not."""
     source = problem.source
     fault = "" if source is None else unresolved(source.shortest_wavelengths, problem.grid)
     return f"No bound for the discretisation error: {fault}" if fault else ""
@@ -329,7 +329,7 @@ def _at_hardness(solution: Solution) -> bool:
 
 
 def _at_sharp_end(problem: Problem, pressure: Array) -> bool:
-    """Return whether an end of the roller has pressure of the order of the peak pressure.
+    """Return whether an end of a roller has a `pressure` (x, y) of the order of the peak pressure; not without an end.
 
     There it is infinite in the limit of small cells, though coarse cells may not show a rise; at free faces it is only
     where it does not clearly fall, since their bodies are soft there.
@@ -362,7 +362,10 @@ def _load_is_fixed(solution: Solution) -> bool:
 
 
 def _has_run_in_contact(pressure: Array, neighbours: int) -> bool:
-    """Return whether somewhere as many `neighbours` along each axis are in contact; all of them on a shorter axis."""
+    """Return whether somewhere in a `pressure` (x, y) as many `neighbours` along each axis are in contact.
+
+    On an axis with fewer cells all of them are.
+    """
     touching = pressure > 0
     runs = ((along, min(neighbours, len(along))) for along in (touching, touching.T))
     return all(

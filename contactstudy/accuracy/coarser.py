@@ -206,15 +206,20 @@ def wraps_of(problem: Problem) -> tuple[bool, bool]:
 
 
 def contact_perimeter(touching: NDArray[np.bool_], grid: Grid, paddings: Paddings | None) -> float:
-    """Return the length [m] of all sides between `touching` cells (x, y) and others, across ends with images too."""
+    """Return the length [m] of all sides between `touching` cells (x, y) and others.
+
+    Sides across the ends of an axis count too, unless its padding leaves the surface free beyond them; None as
+    `paddings` counts none.
+    """
     wraps = (False, False) if paddings is None else tuple(not is_free(padding) for padding in paddings)
     across, along = _lengths_of_sides(touching, wraps)
     return float(across.sum() * grid.cell_size[1] + along.sum() * grid.cell_size[0])
 
 
 def _lengths_of_sides(touching: NDArray[np.bool_], wraps: Sequence[bool]) -> list[NDArray[np.intp]]:
-    """Return the lengths [cells] of all straight rows of sides, for those that cross x and those that cross y.
+    """Return the lengths [cells] of all straight rows of sides of `touching` cells (x, y), for both axes.
 
+    Those of the first array lie between neighbours across, those of the second between neighbours along.
     Sides across the ends of an axis count where it wraps.
     """
     lengths = []
@@ -294,7 +299,7 @@ def _ends(padded: Array, touching: NDArray[np.bool_]) -> tuple[Array, Array]:
 
 
 def contact_area_in_cells(pressure: Array, wraps: tuple[bool, bool], edges: StraightEdges | None = None) -> float:
-    """Return the contact area in cells, with its edges inside them.
+    """Return the contact area of a `pressure` (x, y) in cells, with its edges inside them.
 
     Straight `edges` across follow from the pressure beside them, and are found if not at hand
     (:func:`~contactstudy.accuracy.coarser.straight_edges`). Along others each cell in contact counts as a whole,
@@ -307,7 +312,7 @@ def contact_area_in_cells(pressure: Array, wraps: tuple[bool, bool], edges: Stra
 
 
 def unseen_area_error(pressure: Array, wraps: tuple[bool, bool], edges: StraightEdges | None) -> float:
-    """Return the relative error of :func:`contact_area_in_cells` that its change between grids does not show.
+    """Return the relative error of :func:`contact_area_in_cells`, of its arguments, that no change of grids shows.
 
     It is the uncertainty of its edges, straight ones if they are given, and, in a nearly full contact, openings as
     narrow as a cell, which may be there or not. Of many edges, which lie anywhere in their cells, most errors cancel,
@@ -380,13 +385,13 @@ class DiscretisationErrors:
     @classmethod
     def of_each(cls, number: Callable[..., float], *errors: "DiscretisationErrors") -> "DiscretisationErrors":
         """Return for each of the four numbers what `number` makes of its `errors`; a load that is given has none."""
-        rows = ((one.l1, one.peak_pressure, one.contact_area, one.load or 0.0) for one in errors)
-        l1, peak, area, load = (number(*parts) for parts in zip(*rows, strict=True))
+        rows = ((error.l1, error.peak_pressure, error.contact_area, error.load or 0.0) for error in errors)
+        l1, peak, area, load = (number(*of_each) for of_each in zip(*rows, strict=True))
         return cls(l1, peak, area, load)
 
     @classmethod
     def unbounded(cls, reason: str, load: float | None = None) -> "DiscretisationErrors":
-        """Return infinite errors with their reason."""
+        """Return infinite errors with their reason; that of the `load` is None where the load is given."""
         return cls(inf, inf, inf, load, (reason,))
 
 

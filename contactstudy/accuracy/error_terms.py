@@ -150,12 +150,15 @@ def _end_errors(pressure: Array, along: Padding, ratio: float) -> tuple[float, f
 
 
 def _reaches_ends(pressure: Array) -> bool:
-    """Return whether there is contact at the ends of the length."""
+    """Return whether a `pressure` (x, y) acts at either end of the length."""
     return bool(pressure[:, [0, -1]].any())
 
 
 def _half_width(pressure: Array, x: Array) -> float:
-    """Return the half-width of the Hertz contact whose load has the same rms distance from its axis."""
+    """Return the half-width of the Hertz contact whose load has the same rms distance from its axis as a `pressure`.
+
+    The pressure is (x, y), and the half-width has the unit of the positions `x` (x, 1) or (x,) of its rows.
+    """
     fraction = pressure.sum(axis=1) / pressure.sum()
     middle = (fraction * x).sum()
     return 2 * float(np.sqrt((fraction * (x - middle) ** 2).sum()))

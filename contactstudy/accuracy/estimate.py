@@ -201,7 +201,10 @@ def _without_pressure(solution: Solution, coarse: Solution | None, unknown: Erro
 
 
 def _attraction_error(solution: Solution, attraction: Array, coarse: Solution | None) -> ErrorParts:
-    """Return the relative error of the load by the `attraction` (x, y) [Pa] of bodies that do not touch."""
+    """Return the relative error of the load by the `attraction` (x, y) [Pa] of bodies that do not touch.
+
+    It is the change from the `coarse` solution, which is found if it is None.
+    """
     from contactstudy.solvers.adhesion import is_cut_off  # without adhesion it is not loaded
 
     load, change = solution.load_per_length, inf
@@ -238,7 +241,10 @@ def _reason_by_images(solution: Solution, *, slips: bool) -> str:
 
 
 def _with_range(solution: Solution, estimate: ErrorEstimate, by_range: RangeErrors) -> ErrorEstimate:
-    """Return an `estimate` with the errors by a range of the attraction that was chosen for the grid."""
+    """Return an `estimate` with the errors by a range of the attraction that was chosen for the grid.
+
+    Those of pressure and area are `by_range`.
+    """
     assert estimate.peak_pressure is not None
     assert estimate.contact_area is not None
     load = estimate.load and replace(estimate.load, range=load_range_error(solution))
@@ -249,7 +255,11 @@ def _with_range(solution: Solution, estimate: ErrorEstimate, by_range: RangeErro
 
 
 def _at_pull_off(solution: Solution, estimate: ErrorEstimate, pull_off: ErrorParts) -> ErrorEstimate:
-    """Return an `estimate` at pull-off, where the error of the load leaves the state open by its root."""
+    """Return an `estimate` at pull-off, where the root of the error of the load, `pull_off`, leaves the state open.
+
+    The peak net pressure is known to that fraction of the larger of repulsion and attraction, which it is the difference
+    of.
+    """
     assert solution.adhesion is not None
     assert estimate.peak_pressure is not None
     root, peak = root_of_pull_off(pull_off), abs(solution.peak_pressure)
@@ -265,17 +275,18 @@ def _at_pull_off(solution: Solution, estimate: ErrorEstimate, pull_off: ErrorPar
 
 
 def _with_cells(parts: ErrorParts, added: float) -> ErrorParts:
-    """Return an error whose part by the cells is larger by what is `added`."""
+    """Return the error `parts`, of which that by the cells is larger by what is `added`."""
     return replace(parts, discretisation=(parts.discretisation or 0.0) + added)
 
 
 def _gap_error(
     solution: Solution, l1: ErrorParts, residual: ResidualErrors, by_range: RangeErrors | None
 ) -> ErrorParts:
-    """Return the relative error of the mean gap, by those of the pressure in `l1`, the residual and a range.
+    """Return the relative error of the mean gap, by those of the pressure in `l1`, of the residual, and `by_range`.
 
-    The change of an attraction that the last iteration left adds to the residual. Where most of the mean gap is what
-    the solver leaves on closed cells, it has no bound.
+    The last is None where the range of an attraction is given, or there is none. The change of an attraction that the
+    last iteration left adds to the residual. Where most of the mean gap is what the solver leaves on closed cells, it
+    has no bound.
     """
     mean, active = solution.mean_gap, solution.problem.constraint.active(solution.pressure)
     is_residual = mean <= 2 * float((np.abs(solution.gap) * active).mean())
@@ -305,7 +316,7 @@ def _gap_by_images(solution: Solution, l1: float) -> float:
 
 
 def _approach_error(solution: Solution, estimate: ErrorEstimate) -> ErrorParts:
-    """Return the relative error of the approach that its change between grids does not show, by that of the pressure.
+    """Return the relative error of the approach that its change between grids does not show, by those in `estimate`.
 
     The error of the pressure by the cells adds `GAP_BY_L1` of that in L1; not with adhesion, where the changes show it.
     A range of attraction that was chosen for the grid adds `APPROACH_BY_RANGE`, and the state at pull-off what its load
@@ -372,7 +383,7 @@ def stress_error(solution: Solution, von_mises: Array, depths: Array, estimate: 
 
 
 def unbounded_by_peak(estimate: ErrorEstimate, depths: Array, grid: Grid) -> ErrorParts | None:
-    """Return an infinite error of largest stresses with the reason, where the peak pressure alone has none; else None.
+    """Return an infinite error of largest stresses, where of all in `estimate` the peak pressure alone is; else None.
 
     Where the pressure is infinite, as at a roller's sharp end, the stress below grows without limit towards the
     surface, and coarse cells may show the largest elsewhere. At given `depths` (z,) [m] of a cell and more it is

@@ -349,7 +349,7 @@ def _moduli(problem: Problem) -> tuple[float, ...]:
 
 
 def _modulus(problem: Problem, axis: int) -> float:
-    """Return E* [Pa] from the displacement under a pressure that alternates from cell to cell along an `axis`.
+    """Return E* [Pa] of `problem` by the displacement under a pressure that alternates from cell to cell along `axis`.
 
     A wave of pressure p of the wave number k displaces a half-space by ``2 p / (E* k)``, here with ``k = pi / dx``.
     """

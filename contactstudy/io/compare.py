@@ -159,7 +159,7 @@ def compare(a: Any, b: Any) -> Comparison:
 
 
 def _net_pressure(dataset: xr.Dataset) -> Array:
-    """Return the pressure (x, y) [Pa] of a contact, with adhesion less the attraction."""
+    """Return the pressure (x, y) [Pa] of the contact in a `dataset`, with adhesion less the attraction."""
     return np.asarray((dataset["pressure"] - dataset.get("attraction", 0.0)).values)
 
 
@@ -218,7 +218,10 @@ def _check_kinds(first: Mapping[str, object], second: Mapping[str, object]) -> N
 
 
 def _differing(first: Mapping[str, object], second: Mapping[str, object]) -> tuple[str, ...]:
-    """Return the path and both values, as text, for each key of two scenes that differs; none if a scene is unknown."""
+    """Return path and both values, as text, for each key in which the `first` scene differs from the `second`.
+
+    There is none if one of them is not known.
+    """
     keys = [key for key in {**first, **second} if first.get(key) != second.get(key)] if first and second else []
     return tuple(f"{key}: {_value_text(first.get(key))} and {_value_text(second.get(key))}" for key in keys)
 
@@ -295,7 +298,7 @@ def _one_period(first: xr.Dataset, second: xr.Dataset, a: Array, b: Array) -> tu
 
 
 def _merged_edges(a: Array, b: Array) -> Array:
-    """Return the edges of both grids; edges that differ only by rounding are merged."""
+    """Return the edges `a` and `b` of both grids together, ascending; of those that differ by rounding, one."""
     edges = np.unique(np.concatenate([a, b]))
     is_separate = np.diff(edges) > ROUNDING * (edges[-1] - edges[0])
     return np.asarray(edges[np.concatenate([[True], is_separate])])

@@ -52,7 +52,7 @@ PROFILES = (Crown, LundbergProfile, EndRelief, ProfilePoints, Tilt)
 def labelled(
     dimensions: str | Sequence[str], values: object, units: str, long_name: str, **attributes: str
 ) -> xr.Variable:
-    """Return `values` as a variable with unit and long name, and further `attributes`."""
+    """Return `values` over some `dimensions` as a variable with `units`, `long_name` and further `attributes`."""
     return xr.Variable(dimensions, values, {"units": units, "long_name": long_name} | attributes)
 
 
@@ -61,7 +61,7 @@ _plane, _number = partial(labelled, ("x", "y")), partial(labelled, ())
 
 
 def flags(dimensions: Sequence[str], values: object, meanings: Sequence[str], long_name: str) -> xr.Variable:
-    """Return indices into `meanings` as a variable with the flag attributes of the CF conventions."""
+    """Return `values`, indices into `meanings`, as a variable with the flag attributes of the CF conventions."""
     attributes = {
         "long_name": long_name,
         "flag_values": np.arange(len(meanings), dtype=np.int8),
@@ -99,7 +99,7 @@ def contact_fields(solution: Solution) -> xr.Dataset:
 
 
 def _over_plane(grid: Grid, variables: Mapping[str, xr.Variable], solved: "Solution | FilmSolution") -> xr.Dataset:
-    """Return `variables` over the cells of a grid, with the numbers that every solver has, and its status."""
+    """Return `variables` over the cells of a grid, with residual, iterations and status of what was `solved`."""
     of_solver = {
         "residual": _number(solved.residual, "1", "residual of the solver"),
         "iterations": _number(solved.iterations, "1", "solver iterations"),
@@ -200,7 +200,7 @@ def known_or_nan(bound: float) -> float:
 
 
 def _hertz(hertz: HertzLine | None) -> dict[str, xr.Variable]:
-    """Return half-width and peak pressure of Hertz's line contact, if there is one."""
+    """Return the variables of half-width and peak pressure of `hertz`, the line contact of a scene; none for None."""
     if hertz is None:
         return {}
     return {
@@ -247,32 +247,36 @@ def _with_errors(dataset: xr.Dataset, estimate: ErrorEstimate) -> xr.Dataset:
     causes = list(dict.fromkeys(cause for _, parts in estimate for cause in parts.by_cause))
     dataset = dataset.assign_coords(cause=("cause", causes, {"units": "1", "long_name": "cause of the error"}))
     for name, parts in estimate:
-        key, what = ("pressure_l1", "pressure in L1") if name == "l1" else (name, name.replace("_", " "))
+        key, words = ("pressure_l1", "pressure in L1") if name == "l1" else (name, name.replace("_", " "))
         values = [known_or_nan(parts.by_cause.get(cause, 0.0)) for cause in causes]
         comment = {} if isfinite(parts.total) else {"comment": parts.reason}
-        label = f"estimated relative error of the {what}"
+        label = f"estimated relative error of the {words}"
         dataset[f"{key}_error_estimate"] = labelled("cause", values, "1", label, **comment)
     if estimate.warnings:
         dataset.attrs["warnings"] = " ".join(estimate.warnings)
     return dataset
 
 
+# Fields (x, y) of a film by attribute, with unit and label; one that the film does not have is None.
+OF_FILM = {
+    "pressure": ("Pa", "pressure of the lubricant"),
+    "film": ("m", "film thickness"),
+    "film_fraction": ("1", "fractional film content, below 1 where cavitated"),
+    "shear": ("Pa", "shear stress in the middle of the film"),
+    "contact_pressure": ("Pa", "pressure of asperities"),
+    "wear_depth": ("m", "wear depth"),
+}
+
+
 def film_dataset(contact: "FilmSolution", error: ErrorEstimate, quantities: Quantities) -> xr.Dataset:
     """Return a lubricated contact over (x, y), as :func:`contact_dataset` does a dry one."""
-    carrier = "the lubricant" if contact.contact_pressure is None else "lubricant and asperities together"
-    variables = {
-        "pressure": _plane(contact.pressure, "Pa", f"pressure of {carrier}"),
-        "film": _plane(contact.film, "m", "film thickness"),
-        "film_fraction": _plane(contact.film_fraction, "1", "fractional film content, below 1 where cavitated"),
-        "shear": _plane(contact.shear, "Pa", "shear stress in the middle of the film"),
-        "mean_speed": _number(contact.mean_speed, "m s-1", "mean speed of the surfaces"),
-        **_hertz(contact.scales.hertz),
-        **field_variables(contact.derived),
+    fields = {
+        name: _plane(values, *said) for name, said in OF_FILM.items() if (values := getattr(contact, name)) is not None
     }
+    variables = fields | _hertz(contact.scales.hertz) | field_variables(contact.derived)
+    variables["mean_speed"] = _number(contact.mean_speed, "m s-1", "mean speed of the surfaces")
     if contact.contact_pressure is not None:
-        variables["contact_pressure"] = _plane(contact.contact_pressure, "Pa", "pressure of asperities")
-    if contact.wear_depth is not None:
-        variables["wear_depth"] = _plane(contact.wear_depth, "m", "wear depth")
+        variables["pressure"].attrs["long_name"] = "pressure of lubricant and asperities together"
     if (heat := contact.temperatures) is not None:
         variables["film_temperature_rise"] = _plane(heat.film, "K", "temperature rise of the film")
         for number, rise in enumerate(heat.surface, start=1):

@@ -42,7 +42,7 @@ class Picture(Figure):
 
 
 def panels(count: int, *, columns: int = 3, width: float = 3.4, height: float = 3.2) -> tuple[Figure, list[Axes]]:
-    """Return a figure with `count` panels of `width` by `height` in inches, and the panels."""
+    """Return a figure with `count` panels of `width` by `height` [in] in at most so many `columns`, and the panels."""
     columns = min(columns, count)
     rows = -(-count // columns)
     # not pyplot's: no figure stays open
@@ -54,7 +54,10 @@ def panels(count: int, *, columns: int = 3, width: float = 3.4, height: float = 
 
 
 def second_axis(ax: Axes, label: str, color: str, right: float = 1.0) -> Axes:
-    """Return further axes of `ax` with the same x, whose y axis stands at `right`, in widths of `ax`, in one `color`."""
+    """Return axes with the x axis of `ax` and a y axis of their own, which stands at `right`, in widths of `ax`.
+
+    That axis has a `label` in one `color`.
+    """
     beside = ax.twinx()
     beside.set_ylabel(label, color=color)
     beside.spines["right"].set(visible=True, position=("axes", right))
@@ -74,12 +77,15 @@ def in_display_unit(values: xr.DataArray, unit: str, name: str) -> tuple[xr.Data
 
 
 def name_axes(ax: Axes, across: str, up: str, title: str) -> None:
-    """Name both axes, and the panel by its title."""
+    """Name the x axis by `across` and the y axis by `up`, and give the panel a `title`."""
     ax.set(xlabel=across, ylabel=up, title=title)
 
 
 def draw_map(ax: Axes, x: ArrayLike, y: ArrayLike, values: Any, names: tuple[str, str, str], **look: Any) -> None:
-    """Draw `values` (y, x) as colours with their bar, and name both axes and the panel."""
+    """Draw `values` (y, x) as colours with their bar; the `names` are those of the x axis, the y axis and the panel.
+
+    Further keywords `look` are those of ``pcolormesh``.
+    """
     style: dict[str, Any] = {"cmap": "viridis", "shading": "nearest", "rasterized": True}
     mesh = ax.pcolormesh(x, y, values, **(style | look))
     name_axes(ax, *names)
@@ -124,7 +130,7 @@ LEGEND_WIDTH = 5.4  # [in], which a telephone shows of a figure without scrollin
 
 
 def label_axes(figure: Figure) -> None:
-    """Label all logarithmic axes in one way."""
+    """Label all logarithmic axes of a `figure` in one way."""
     for axis in (axis for ax in figure.axes for axis in (ax.xaxis, ax.yaxis)):
         if axis.get_scale() == "log":
             label_logarithmic(axis)
@@ -133,7 +139,7 @@ def label_axes(figure: Figure) -> None:
 
 
 def finish(figure: Figure, dataset: xr.Dataset) -> Figure:
-    """Return a figure with its legend, its warnings above, and below what error was asked and is met."""
+    """Return a figure with its legend, the warnings of its `dataset` above, and the error asked and met below."""
     letters = int(14 * figure.get_figwidth())
     add_legend(figure, fill(str(dataset.attrs.get("accuracy", "")), letters))
     if "warnings" in dataset.attrs:
@@ -143,7 +149,7 @@ def finish(figure: Figure, dataset: xr.Dataset) -> Figure:
 
 
 def add_legend(figure: Figure, title: str = "") -> None:
-    """Add one legend with a `title` for all panels below them, at the left, and label logarithmic axes."""
+    """Add one legend with a `title` for all panels of a `figure`, below them at the left, and label logarithmic axes."""
     label_axes(figure)
     entries: dict[str, Any] = {}
     for ax in (ax for ax in figure.axes if ax.get_legend() is None):
@@ -284,7 +290,7 @@ def _inside(dataset: xr.Dataset, reach: float) -> xr.Dataset:
 
 
 def _section(ax: Axes, dataset: xr.Dataset, name: str) -> None:
-    """Draw a variable across the middle of the length, with those that are drawn together with it."""
+    """Draw the variable `name` across the middle of the length, with those that are drawn `TOGETHER` with it."""
     names = [other for other in TOGETHER.get(name, (name,)) if dataset[other].any() or other == name]
     scale, unit = _unit(dataset, names)
     x, across = in_display_unit(dataset["x"], "m", "across")
@@ -298,9 +304,9 @@ def _section(ax: Axes, dataset: xr.Dataset, name: str) -> None:
 
 
 def _unit(dataset: xr.Dataset, names: Sequence[str]) -> tuple[float, str]:
-    """Return the unit for display of some variables together, its size and its name.
+    """Return the unit for display of the variables `names` together: its size in their SI unit, and its name.
 
-    It is that of the largest value, or of the mean where an axis is logarithmic.
+    It suits the largest value, or the mean where an axis is logarithmic.
     """
     sizes = abs(dataset[list(names)]).to_array()
     return display_unit_of(sizes.mean() if names[0] in LOGARITHMIC else sizes, dataset[names[0]].attrs["units"])
@@ -404,6 +410,7 @@ def comparison_picture(fields: xr.Dataset, at: tuple[float, float]) -> Figure:
     """
 
     def where_they_differ_most(ax: Axes, fields: xr.Dataset, name: str) -> None:
+        """Draw both pressures across the place `at`."""
         _section(ax, fields.sel(y=[at[1]], method="nearest"), name)
         ax.set_title("where they differ most")
         ax.lines[-1].set_linestyle("--")

@@ -356,21 +356,21 @@ def grid_of_waves(shapes: Iterable[Shape]) -> Grid | None:
     It has `CELLS_PER_WAVE` in the shortest wavelength. Raises :class:`~contactstudy.InvalidInput` if the shapes share
     no period.
     """
-    found = list(length_scales_of(shapes))
-    across = {scales.period_across for scales in found if scales.period_across}
-    along = {scales.period for scales in found if scales.period}
+    length_scales = list(length_scales_of(shapes))
+    across = {scales.period_across for scales in length_scales if scales.period_across}
+    along = {scales.period for scales in length_scales if scales.period}
     if not across and not along:
         return None
     width, length = (_common_period(periods) if periods else 0.0 for periods in (across, along))
     extent = width or length, length or width
     per_wave = CELLS_PER_WAVE[1 if across and along else 0]
-    waves = (min(scales.shortest_wavelengths[axis] for scales in found) for axis in (0, 1))
+    waves = (min(scales.shortest_wavelengths[axis] for scales in length_scales) for axis in (0, 1))
     nx, ny = (ceil(per_wave * side / wave) for side, wave in zip(extent, waves, strict=True))
     return Grid((max(nx, 2), max(ny, 1)), extent)
 
 
 def period_fault(period: float, length_scales: Iterable[LengthScales]) -> str:
-    """Return why `period` [m] is no multiple of the repeat lengths of shapes, with a remedy; empty if it is."""
+    """Return why `period` [m] is no multiple of the repeat lengths in `length_scales`, with a remedy; empty if it is."""
     for scales in length_scales:
         if scales.period and _whole_parts(period, scales.period) is None:
             return (

@@ -107,8 +107,8 @@ def _plan_of_flat(
 ) -> Plan:
     """Return the plan of a flat: the points of its measured surface as cells, and both axes periodic.
 
-    The surface has the length `scales`. Grid and padding are others if they are given. The requested `error` is not
-    predicted, which a warning says.
+    The surface has the length `scales`; the length of the grid is its own, or a `period` [m]. Grid and padding are
+    others if they are given. The requested `error` is not predicted, which a warning says.
     """
     if period is not None:
         period = valid("plan.period", period, Metres)
@@ -145,7 +145,7 @@ def _plan_static(
     """Return the plan of a scene that neither changes in time nor rolls, on a grid of at least this `width` [m].
 
     A measured surface is solved on its own points if no `error` is requested; other scenes are refined to it, the
-    default error if it is None.
+    default error if it is None. The `period` [m], grid and padding are chosen if None.
     """
     if grid is None:
         scene, requirements = with_requirements(scene, padding, period)
@@ -186,7 +186,10 @@ def _plan_static(
 
 
 def _with_states(planned: Plan, transient: "TransientRequirements") -> Plan:
-    """Return a plan with the bytes of states that a contact keeps in time, and warnings of a grid too small for it."""
+    """Return a `planned` scene with the bytes of its states in time, and warnings of a grid too small for the contact.
+
+    Both follow from the `transient` requirements.
+    """
     grid, plastic = planned.grid, transient.plastic
     bytes_of_states = 8 * transient.fields * prod(grid.cells)
     warnings = (*planned.warnings, *transient.warnings)

@@ -124,7 +124,7 @@ def plan_on(
 ) -> Plan:
     """Return the plan of a scene on a `grid`, with the padding of its requirements, and further fields by name.
 
-    Its `reasons` follow those of the requirements.
+    Its `reasons` follow those of the requirements; its `warnings` are all that there are.
     """
     padding, of_grid = requirements.padding(), requirements.reasons(grid)
     return Plan(

@@ -298,7 +298,7 @@ class GridRefinement:
         return levels
 
     def _solve_on(self, grid: Grid, start: Array | None) -> Solution:
-        """Return the solution on `grid` from a pressure on another of the same extent."""
+        """Return the solution on `grid`, from the pressure `start` (x, y) [Pa] on another grid of the same extent."""
         begin = None if start is None else on_cells(start, grid.cells)
         problem = self.scene.problem(grid, self.requirements.padding())
         return solve_contact(problem, self.options, begin, self.device)
@@ -313,10 +313,10 @@ class GridRefinement:
         return self.grid_of_fast_lengths(across / shrink, along / shrink, extent)
 
     def grid_of_start(self, given: Grid) -> Grid | None:
-        """Return the grid to begin with in place of the first one: that of a start; None where that does not suit.
+        """Return the grid to begin with in place of the first one: the `given` one of a start; None if it does not suit.
 
-        It is as long as the scene, has at least the cells of the first grid, and its width is that of the scene where
-        random heights depend on that.
+        It suits if it is as long as the scene, has at least the cells of the first grid, and its width is that of the
+        scene where random heights depend on that.
         """
         first = self.first_grid(self.requirements.extent(self.period))
         varies, is_row = first.cells[1] > 1, given.cells[1] == 1
@@ -337,7 +337,7 @@ class GridRefinement:
         return ceil(across), ceil(along) if self.requirements.varies else 1
 
     def grid_of_fast_lengths(self, across: float, along: float, extent: tuple[float, float]) -> Grid:
-        """Return a grid on an `extent` [m] of at least these cells, in numbers of which an FFT is fast.
+        """Return a grid on an `extent` [m] of at least these cells `across` and `along`, so many that an FFT is fast.
 
         Where a roller ends within the grid, the number along is one whose cell edges lie near its ends.
         """
@@ -417,7 +417,7 @@ class GridRefinement:
         return max(self.error - other_causes, 0.5 * other_causes)
 
     def required_cells(self, last: BoundedSolution) -> tuple[float, float]:
-        """Return the minimum number of cells (across, along) whose bound is expected to meet the error.
+        """Return the minimum number of cells (across, along) whose bound is expected to meet the error, from the `last`.
 
         Each axis may then contribute half of it.
         """

@@ -108,7 +108,7 @@ def rolling_traction_quantities(
 
 
 def _force_over_load(solution: Solution, traction: TangentialTraction) -> list[float]:
-    """Return the tangential force along x and y over the net load; 0 without a load."""
+    """Return the tangential forces along x and y, of a `traction`, over the net load; 0 without a load."""
     load = _net_load(solution)
     return [float(force / load) if load else 0.0 for force in traction.shear.sum((1, 2))]
 
@@ -205,7 +205,10 @@ def _at_stick_slip_boundary(solution: Solution, traction: TangentialTraction) ->
 
 
 def _with_slip_bound(quantity: Quantity, bound: float, estimate: ErrorEstimate) -> Quantity:
-    """Return a quantity with its absolute `bound` if that is finite, and slip and pressure have one."""
+    """Return a quantity with its absolute `bound`, if that is finite and slip and pressure have one in `estimate`.
+
+    Else it has the reason why there is none.
+    """
     if estimate.slip_reason:
         return replace(quantity, reason=estimate.slip_reason)
     if not isfinite(estimate.l1.total):
@@ -256,8 +259,8 @@ def adhesion_quantities(
 def moved_force(solution: Solution, estimate: ErrorEstimate) -> float:
     """Return the error [Pa] of a sum over cells, of the attraction or of the net pressure where bodies touch.
 
-    It is the error of the net pressure in L1, and the largest attraction in the cells by which the contact may be
-    larger or smaller. Times the area of a cell it is a force.
+    By the errors in `estimate`, it is the error of the net pressure in L1, and the largest attraction in the cells by
+    which the contact may be larger or smaller. Times the area of a cell it is a force.
     """
     norm, touching = float(np.abs(solution.net_pressure).sum()), np.count_nonzero(solution.pressure)
     assert solution.adhesion is not None
@@ -368,7 +371,10 @@ def _approach(solution: Solution, estimate: ErrorEstimate) -> Quantity:
 
 
 def _shown_error(estimate: ErrorEstimate, name: str) -> ErrorParts | None:
-    """Return the error of the number `name`; None where its changes between grids bound it and it is finite."""
+    """Return the error of the number `name` in `estimate`; None where its changes between grids bound it.
+
+    An infinite one is returned even then, for its reason.
+    """
     parts: ErrorParts | None = getattr(estimate, name)
     return None if name in estimate.by_grids and parts is not None and isfinite(parts.total) else parts
 
@@ -435,13 +441,13 @@ def _half_size(
     """
     cell = solution.problem.grid.cell_size[axis]
     size = counted = _half_extent(solution.pressure > 0, axis, cell)
-    off = _half_extent(_may_touch(solution), axis, cell) - counted
+    unseen = _half_extent(_may_touch(solution), axis, cell) - counted
     if edges is not None:
         size = sum(float(edge.max()) for edge in edges.places) * cell / 2
     else:
-        off += cell / 2
+        unseen += cell / 2
     name = ("half-width", "half-length")[axis]
-    half = Quantity(size, "m", f"{name} (outermost edges)", rivals=((size + off, 0.0),))
+    half = Quantity(size, "m", f"{name} (outermost edges)", rivals=((size + unseen, 0.0),))
     if area_error is None or not isfinite(area_error.total):
         return with_bound(half, area_error, fallback_reasons)
     return replace(half, bound=max(cell, area_error.total * size), reason="")
@@ -520,7 +526,7 @@ def surface_parameters(surface: MeasuredSurface) -> Parameters:
 
 
 def parameters_text(parameters: Parameters) -> list[str]:
-    """Return a line of text for each parameter: symbol, value with unit, and label."""
+    """Return a line of text for each of the `parameters`: symbol, value with unit, and label."""
     return [
         f"{name:<4} {'none' if np.isnan(value) else readable(value, unit):<12} {label}"
         + ", which the surface is too small to show" * bool(np.isnan(value))

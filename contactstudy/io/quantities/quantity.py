@@ -104,7 +104,10 @@ def with_bound(quantity: Quantity, parts: ErrorParts | None, fallback_reasons: S
 def bounded(
     value: float, unit: str, label: str, parts: ErrorParts | None, fallback_reasons: Sequence[str] = (), **more: Any
 ) -> Quantity:
-    """Return a quantity of this value with the bound of its relative error, as :func:`with_bound` gives it."""
+    """Return a quantity with `value`, `unit`, `label`, other fields `more`, and the bound of its relative error.
+
+    The error `parts` and `fallback_reasons` are those of :func:`with_bound`.
+    """
     return with_bound(Quantity(value, unit, label, **more), parts, fallback_reasons)
 
 
@@ -123,7 +126,10 @@ def roller_length(posed: PosedScene | None) -> float | None:
 
 
 def per_length(value: float, unit: str, label: str, length: float | None, period: float) -> Quantity:
-    """Return a total over the grid: as it is for a roller of a `length` [m], if None divided by the `period` [m]."""
+    """Return a total `value` over the grid: as it is for a roller of a `length` [m], if None divided by `period` [m].
+
+    The `unit` and the `label` are those of the total; if it is divided, both say so.
+    """
     if length is not None:
         return Quantity(value, unit, label)
     return Quantity(value / period, f"{unit} m-1", f"{label} per length")

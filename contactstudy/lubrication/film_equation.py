@@ -175,15 +175,12 @@ class _FaceSide(NamedTuple):
     density_slope: Array
     thickness: Array
 
-    def rows(self, rows: slice) -> "_FaceSide":
-        return _FaceSide(*(values[rows] for values in self))
-
-    def next_along(self) -> "_FaceSide":
-        return _FaceSide(*(np.roll(values, -1, axis=1) for values in self))
-
 
 class _FaceFlow(NamedTuple):
-    """Flow through faces, and its derivatives by pressure and thickness of the cells upstream and downstream."""
+    """Flow (x, y) through the face behind each cell, and its derivatives by pressure and thickness of both cells.
+
+    Behind is downstream across, and towards larger y along the length; "upstream" is the cell before a face.
+    """
 
     flux: Array
     pressure_upstream: Array
@@ -321,34 +318,34 @@ class FilmEquation:
         by_thickness[:INLET_CELLS] *= film.thickness[:INLET_CELLS] <= self.supplied_film
         slopes = (film_fraction * density_slope * film.thickness, by_thickness, by_void)
         dx, dy = self.cell
-        across = _poiseuille_flow(
-            cells.rows(slice(None, -1)), cells.rows(slice(1, None)), 1 / (self.speed_parameter * dx)
-        )
-        wedge, wedge_by_nearest, wedge_by_further = (self.speed * values for values in _couette_flow(content))
-        least = self.speed * (film_fraction * density * self.boundary_film)[:-1]
+        wedge, by_nearest, by_further = (self.speed * values for values in _couette_flow(content))
+        least = self.speed * film_fraction * density * self.boundary_film
         on_boundary = wedge < least
-        wedge[on_boundary] = least[on_boundary]
-        wedge_by_nearest[on_boundary] = wedge_by_further[on_boundary] = 0
-        flux = across.flux + wedge
-
-        residual = np.zeros_like(content)
-        residual[1:-1] = flux[1:] - flux[:-1]
-        downstream, upstream = _downstream_face, _upstream_face
-        pressure, thickness = (
-            {
-                (0, 0): downstream(by_upstream) - upstream(by_downstream),
-                (1, 0): downstream(by_downstream),
-                (-1, 0): -upstream(by_upstream),
-            }
-            for by_upstream, by_downstream in (across[1:3], across[3:5])
-        )
-        if content.shape[1] > 1:
-            residual += _balance_along(cells, dx / (self.speed_parameter * dy**2), pressure, thickness)
+        wedge[on_boundary], by_nearest[on_boundary], by_further[on_boundary] = least[on_boundary], 0, 0
         entrained = {
-            (0, 0): downstream(wedge_by_nearest),
-            (-1, 0): downstream(wedge_by_further) - upstream(wedge_by_nearest),
-            (-2, 0): -upstream(wedge_by_further),
+            (0, 0): by_nearest,
+            (-1, 0): by_further - np.roll(by_nearest, 1, axis=0),
+            (-2, 0): -np.roll(by_further, 1, axis=0),
         }
+
+        # rolled over the ends, faces lie beside fixed cells, whose rows are zero
+        residual, fluxes = np.zeros_like(content), []
+        pressure: dict[tuple[int, int], Array] = {}
+        thickness: dict[tuple[int, int], Array] = {}
+        for axis, factor in enumerate((1 / (self.speed_parameter * dx), dx / (self.speed_parameter * dy**2))):
+            if content.shape[axis] == 1:
+                break
+            face = _poiseuille_flow(cells, _FaceSide(*(np.roll(values, -1, axis=axis) for values in cells)), factor)
+            last = _FaceFlow(*(np.roll(values, 1, axis=axis) for values in face))
+            fluxes.append(face.flux if axis else face.flux + wedge)
+            residual += fluxes[-1] - np.roll(fluxes[-1], 1, axis=axis)
+            after, before = ((0, 1), (0, -1)) if axis else ((1, 0), (-1, 0))
+            for bands, (by_upstream, by_downstream), (last_by_upstream, last_by_downstream) in (
+                (pressure, face[1:3], last[1:3]),
+                (thickness, face[3:5], last[3:5]),
+            ):
+                bands[0, 0] = bands.get((0, 0), 0.0) + by_upstream - last_by_downstream
+                bands[after], bands[before] = by_downstream, -last_by_upstream
         if squeeze is not None:
             residual += dx * (squeeze.rate * content + squeeze.history)
             entrained[0, 0] = entrained[0, 0] + dx * squeeze.rate
@@ -356,7 +353,7 @@ class FilmEquation:
         moved = [(entrained, zip((pressure, thickness, void), slopes, strict=True))]
         if on_boundary.any():
             faces, least_film = self.speed * on_boundary.astype(float), np.full_like(density, self.boundary_film)
-            dragged = {(0, 0): downstream(faces), (-1, 0): -upstream(faces)}
+            dragged = {(0, 0): faces, (-1, 0): -np.roll(faces, 1, axis=0)}
             by_boundary = film_fraction * density_slope * least_film, -density * least_film
             moved.append((dragged, zip((pressure, void), by_boundary, strict=True)))
         for coefficients, of_bands in moved:
@@ -370,7 +367,7 @@ class FilmEquation:
         pressure, thickness, void = (
             {offset: band * free for offset, band in bands.items()} for bands in (pressure, thickness, void)
         )
-        return Linearised(residual * free, flux, pressure, thickness, void, slopes, self)
+        return Linearised(residual * free, fluxes[0][:-1], pressure, thickness, void, slopes, self)
 
 
 def neighbour(values: NDArray[Scalar], offset: tuple[int, int]) -> NDArray[Scalar]:
@@ -385,16 +382,6 @@ def neighbour(values: NDArray[Scalar], offset: tuple[int, int]) -> NDArray[Scala
     else:
         result[-rows:] = shifted[:rows]
     return result
-
-
-def _downstream_face(faces: Array) -> Array:
-    """Return for each row of cells the value of the face downstream; zero for the last."""
-    return np.concatenate((faces, np.zeros_like(faces[:1])))
-
-
-def _upstream_face(faces: Array) -> Array:
-    """Return for each row of cells the value of the face upstream; zero for the first."""
-    return np.concatenate((np.zeros_like(faces[:1]), faces))
 
 
 def _poiseuille_flow(upstream: _FaceSide, downstream: _FaceSide, factor: float) -> _FaceFlow:
@@ -426,33 +413,14 @@ def _poiseuille_flow(upstream: _FaceSide, downstream: _FaceSide, factor: float) 
     )
 
 
-def _balance_along(
-    cells: _FaceSide, factor: float, pressure: dict[tuple[int, int], Array], thickness: dict[tuple[int, int], Array]
-) -> Array:
-    """Return the balance of the flow along the length, and add its derivatives to the bands."""
-    along = _poiseuille_flow(cells, cells.next_along(), factor)
-    last = _FaceFlow(*(np.roll(values, 1, axis=1) for values in along))
-    for bands, by_downstream, by_upstream, last_by_downstream, last_by_upstream in (
-        (pressure, along.pressure_downstream, along.pressure_upstream, *last[1:3]),
-        (thickness, along.thickness_downstream, along.thickness_upstream, *last[3:5]),
-    ):
-        bands[0, 0] = bands[0, 0] + by_upstream - last_by_upstream
-        bands[0, 1], bands[0, -1] = by_downstream, -last_by_downstream
-    return np.asarray(along.flux - last.flux)
-
-
 def _couette_flow(content: Array) -> tuple[Array, Array, Array]:
-    """Return the Couette flow through each face, and its derivatives by the contents of the two cells upstream.
+    """Return the Couette flow through the face downstream of each cell, and its derivatives by two contents.
 
-    The first face has one cell upstream of it: its flow is of first order.
+    These are the contents of that cell and of the next one upstream; upstream of the first cell lies the last one.
     """
-    flux = content[:-1].copy()
-    by_nearest, by_further = np.ones_like(flux), np.zeros_like(flux)
-    nearest, further = content[1:-1], content[:-2]
+    nearest, further = content, np.roll(content, 1, axis=0)
     falls = further >= nearest
     # a cell may hold nothing, to rounding
     root = np.sqrt(np.divide(nearest, further, out=np.zeros_like(nearest), where=further > 0))
-    flux[1:] = np.where(falls, nearest * root, 1.5 * nearest - 0.5 * further)
-    by_nearest[1:] = np.where(falls, 1.5 * root, 1.5)
-    by_further[1:] = np.where(falls, -0.5 * root**3, -0.5)
-    return flux, by_nearest, by_further
+    flux = np.where(falls, nearest * root, 1.5 * nearest - 0.5 * further)
+    return flux, np.where(falls, 1.5 * root, 1.5), np.where(falls, -0.5 * root**3, -0.5)

@@ -6,11 +6,11 @@ from functools import cached_property
 from math import isfinite
 
 import numpy as np
-from scipy.linalg import solve_banded
 
 from contactstudy.domain.grid import Array, Grid, Padding, Paddings, across_and_along
 from contactstudy.domain.validation import readable
 from contactstudy.lubrication.film_equation import INLET_CELLS, FilmScales
+from contactstudy.lubrication.film_friction import FilmTemperatures
 from contactstudy.problem.problem import DependsOnShear, Field
 from contactstudy.scene.lubrication import LimitingShear
 from contactstudy.scene.scene import Scene
@@ -20,12 +20,6 @@ from contactstudy.solvers.solution import Status
 # Largest known shear stress of a lubricant (Bair & Winer 1979, 1992), the sum of two parts: a constant [Pa], and a
 # fraction of the pressure. Then the largest fraction of the friction that may be above that stress without a remark.
 SHEAR_LIMIT, SHEAR_LIMIT_OVER_PRESSURE, FRICTION_BEYOND_LIMIT = 1e7, 0.15, 0.01
-# Least slip at which a stress is evaluated, and the slip below which asperities stick, over the sliding speed.
-LEAST_SLIP, STICK = 1e-9, 1e-6
-# Relative step of the slip for the derivative of the stress.
-SLIP_STEP = 1e-5
-# Largest number of Newton's steps for the stress, and its relative change at which they stop.
-MAX_STEPS, SHEAR_TOLERANCE = 100, 1e-7
 # A second peak of pressure is a spike if it rises from the valley before it by more than SPIKE of the highest pressure.
 SPIKE = 0.02
 OF_SPIKE = (
@@ -39,41 +33,6 @@ STEEP_FALL = 0.3
 MIDDLE_OF_ROLLER = 1 / 16
 # Size of the slide-roll ratio, the sliding speed over the mean speed, at which one of the surfaces stands still.
 STANDS_STILL = 2.0
-# Largest logarithm of the viscosity over that at zero pressure that enters the friction: exp(300) is 1e130.
-MAX_GROWTH = 300.0
-# Largest thermal loading ``L = beta eta0 u_m^2 / k_f`` at which the heating of the inlet is known, by the formula of
-# Gupta et al. (1992), and the largest residual of temperatures that count as converged. Here beta is the temperature
-# coefficient of the viscosity eta0, u_m the mean speed, and k_f the thermal conductivity of the lubricant.
-MAX_THERMAL_LOADING, TEMPERATURE_RESIDUAL = 10.0, 1e-6
-
-
-@dataclass(frozen=True, eq=False)
-class FilmTemperatures:
-    """Temperature rises [K] over the temperature of the lubricant's supply.
-
-    ``surface`` (body, x, y) is that of the surfaces, ``film`` (x, y) the mean over the thickness. ``reduction`` is the
-    film thickness with a heated inlet over that without, ``loading`` the thermal loading parameter of the inlet,
-    ``residual`` the relative difference between the temperatures and those that follow from the heat generated at these
-    temperatures.
-    """
-
-    surface: Array
-    film: Array
-    reduction: float
-    loading: float
-    residual: float
-
-    @property
-    def reason(self) -> str:
-        """Why temperatures have no bound; empty where they can have one."""
-        if self.residual > TEMPERATURE_RESIDUAL:
-            return f"Heat and temperature of the film disagree by {100 * self.residual:.2g} %."
-        if self.loading <= MAX_THERMAL_LOADING:
-            return ""
-        return (
-            f"The inlet's thermal loading is {self.loading:.3g}: its heating is known up to {MAX_THERMAL_LOADING:g}. "
-            "Give a lower Lubrication.mean_speed, or leave Lubrication.thermal out."
-        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -392,89 +351,3 @@ def rise_beside_lowest(film: Array) -> float:
     row, column = np.unravel_index(np.argmin(film), film.shape)
     beside = film[max(row - 1, 0) : row + 2, column]
     return float(beside.max() / film[row, column] - 1)
-
-
-@dataclass(frozen=True, eq=False)
-class ShearedFilm:
-    """Fields (x,) or (x, y) of a film, from which its shear stress by sliding follows, by the lubricant's shear law.
-
-    ``pressure`` [Pa] is that of lubricant and asperities together, of which asperities carry ``contact``; they add their
-    boundary friction. Only the fraction ``film_fraction`` of the gap that lubricant fills is sheared. ``cell`` is the
-    size of a cell across [m].
-    """
-
-    scales: FilmScales
-    cell: float
-    pressure: Array
-    film: Array
-    film_fraction: Array
-    contact: Array | None = None
-
-    @property
-    def sliding(self) -> float:
-        """Size of the sliding speed of the surfaces [m/s]."""
-        return abs(self.scales.mean_speed * self.scales.lubrication.slide_roll_ratio)
-
-    @property
-    def lubricant_pressure(self) -> Array:
-        """Pressure [Pa] of the lubricant."""
-        return self.pressure if self.contact is None else self.pressure - self.contact
-
-    @cached_property
-    def _unit_stress(self) -> Array:
-        """Newtonian stress over the slip [Pa s/m]."""
-        oil = self.scales.lubrication.lubricant
-        growth = oil.law.log_ratio(self.lubricant_pressure, oil.pressure_viscosity)[0]
-        # Barus' law leaves the range of numbers
-        return np.asarray(oil.viscosity * np.exp(np.minimum(growth, MAX_GROWTH)) / self.film)
-
-    def stress(self, slip: Array | float, viscosity_ratio: Array | float = 1.0) -> Array:
-        """Return the size of the stress [Pa] where the surfaces slip [m/s] past each other, at least zero.
-
-        ``viscosity_ratio`` is the viscosity over that at the temperature of the supply.
-        """
-        motion = self.scales.lubrication
-        newtonian = viscosity_ratio * self._unit_stress * slip
-        lubricant = self.film_fraction * motion.lubricant.shear.stress(newtonian, self.lubricant_pressure)
-        if self.contact is None or motion.boundary is None:
-            return np.asarray(lubricant)
-        sticking = np.minimum(1, slip / (STICK * self.sliding))
-        return np.asarray(lubricant + motion.boundary.coefficient * self.contact * sticking)
-
-    def stress_and_slip(self, viscosity_ratio: Array | float = 1.0) -> tuple[Array, Array]:
-        """Return stress [Pa] and slip [m/s], both at least zero, in series with the bodies' tangential compliance.
-
-        Surfaces enter unsheared, and ``slip = du - u_m C dtau/dx`` (Johnson & Tevaarwerk 1977), with the sliding speed
-        du, the mean speed u_m, the shear stress tau and the compliance C. C is that of a Winkler foundation,
-        ``4 a / (pi E*)``, on which bodies of the radius R that stick at the slide-roll ratio S on the half-width a have
-        Carter's (1926) coefficient of friction, 2 S R / a.
-        Newton's method converges from above, as the stress is a concave function of the slip; after `MAX_STEPS` its last
-        values are returned.
-        """
-        hertz, sliding = self.scales.hertz, self.sliding
-        if not sliding:
-            return np.zeros_like(self.pressure), np.zeros_like(self.pressure)
-        compliance = 4 * hertz.half_width / (np.pi * hertz.contact_modulus)
-        rate = self.scales.mean_speed * compliance / self.cell
-        # first guess: the bodies stick everywhere, so that the stress grows linearly from the inlet
-        cells = np.arange(1, len(self.pressure) + 1).reshape(-1, *[1] * (self.pressure.ndim - 1))
-        shear, least = sliding / rate * cells + 0 * self.pressure, LEAST_SLIP * sliding
-        for _ in range(MAX_STEPS):
-            slip = sliding - rate * np.diff(shear, axis=0, prepend=0)
-            at = np.maximum(slip, least)
-            stress = self.stress(at, viscosity_ratio)
-            slope = (self.stress(at * (1 + SLIP_STEP), viscosity_ratio) - stress) / (SLIP_STEP * at)
-            # linear below the least slip, also where it is below zero
-            slope = np.where(slip > least, slope, stress / at)
-            residual = shear - np.where(slip > least, stress, slope * slip)
-            weight = rate * slope
-            below = np.roll(-weight, -1, axis=0)
-            below[-1] = 0
-            # lines along x one after another; the last entry of each, 0, keeps them apart
-            bands = np.stack([(1 + weight).T.ravel(), below.T.ravel()])
-            change = solve_banded((1, 0), bands, -residual.T.ravel())
-            change = change.reshape(shear.T.shape).T
-            shear = shear + change
-            if np.abs(change).max() <= SHEAR_TOLERANCE * np.abs(shear).max():
-                break
-        return shear, np.maximum(sliding - rate * np.diff(shear, axis=0, prepend=0), 0)

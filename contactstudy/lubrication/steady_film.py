@@ -16,7 +16,8 @@ import numpy as np
 
 from contactstudy.domain.grid import Array, ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.lubrication.film_equation import INLET_CELLS, OUTLET_CELLS, FilmEquation
-from contactstudy.lubrication.lubricated_contact import FilmSolution, ShearedFilm, rise_beside_lowest
+from contactstudy.lubrication.film_friction import ShearedFilm, film_friction
+from contactstudy.lubrication.lubricated_contact import FilmSolution, rise_beside_lowest
 from contactstudy.lubrication.posed_film import (
     OUTLET,
     PosedFilm,
@@ -285,14 +286,9 @@ def film_solution(
     if not equation.conserves:  # beyond the last pressure any flow may appear
         flow = flow[: np.flatnonzero((last.film.pressure > 0).any(axis=1))[-1] - 1]
     sheared = ShearedFilm(posed.instant, grid.cell_size[0], pressure, film, film_fraction, asperities)
-    if scales.lubrication.thermal is None:
-        shear, temperatures = sheared.stress_and_slip()[0], None
-    else:
-        # imported only for films with temperatures
-        from contactstudy.lubrication.film_heat import thermal_reduction, thermal_shear
-
-        reduction = thermal_reduction(scales, scales.lubrication.thermal, starved=_is_starved(equation, last))
-        shear, temperatures = thermal_shear(sheared, scene.solids, grid, reduction)
+    supply = scales.lubrication.supply
+    supply = inf if supply is None or not _is_starved(equation, last) else supply
+    shear, temperatures = film_friction(sheared, scene.solids, grid, supply)
     if film_rate is not None:
         film_rate = on_whole_grid(film_rate)
     creep_loss = 0.0

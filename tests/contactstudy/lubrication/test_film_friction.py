@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.lubrication import film_heat
-from contactstudy.lubrication.film_heat import moving_source, thermal_reduction
+from contactstudy.lubrication import film_friction
+from contactstudy.lubrication.film_friction import moving_source, thermal_reduction
 from contactstudy.lubrication.steady_film import solve_lubricated
 from tests.contactstudy.lubrication.scenes import STEEL, by_moes, grid, with_motion
 
@@ -43,7 +43,7 @@ def test_the_friction_is_isothermal_with_perfect_conduction_or_without_thinning(
         assert hot.friction == pytest.approx(cold.friction, rel=1e-6)
 
 
-def test_traction_rises_with_sliding_and_falls_again_as_the_film_heats_up() -> None:
+def test_traction_rises_with_sliding_and_falls_again_as_the_film_frictions_up() -> None:
     law = {"viscosity_law": cs.Roelands(0.6, reference_pressure=2.63e8)}
     hot = [solve_lubricated(_at(heated(slide, **law), 40.0), grid(160, 8)) for slide in (0.02, 0.2, 1.9)]
     cold = solve_lubricated(_at(heated(1.9, heat=None, **law), 40.0), grid(160, 8))
@@ -87,9 +87,9 @@ def test_a_starved_film_is_as_thick_as_its_supply_with_heat_too() -> None:
 
 def test_a_film_whose_passes_end_early_keeps_the_temperature_of_its_shear(monkeypatch: pytest.MonkeyPatch) -> None:
     converged = solve_lubricated(heated(0.005), grid(160, 4.5)).temperatures
-    monkeypatch.setattr(film_heat, "MAX_PASSES", 1)
+    monkeypatch.setattr(film_friction, "MAX_PASSES", 1)
     early = solve_lubricated(heated(0.005), grid(160, 4.5)).temperatures
-    assert early.residual > film_heat.NEW_START
+    assert early.residual > film_friction.NEW_START
     assert early.film.max() >= converged.film.max() > 0
 
 

@@ -323,13 +323,28 @@ class _Request:
         )
         return passes_answer(rolled, self.requested)
 
-    def time_dependent(self) -> "Evolution":
-        """Follow a dry scene through time."""
-        from contactstudy.answers.evolution import evolution_answer
-        from contactstudy.evolution.evolve import evolve
+    def evolution(self) -> "Evolution":
+        """Follow a scene through time: its states, a history of loads, wear, or a film."""
+        from contactstudy.answers.evolution import evolution_answer, films_answer
 
-        named = {"error_estimator": self.steps.error_estimator, "scheme": self.steps.scheme}
-        return self._followed(evolve, evolution_answer, self._error_of_steps, **named, options=self.options)
+        method, steps, error = self.scene.method, self.steps, self._error_of_steps
+        if method is methods.TIME_DEPENDENT:
+            from contactstudy.evolution.evolve import evolve
+
+            named = {"error_estimator": steps.error_estimator, "scheme": steps.scheme}
+            return self._followed(evolve, evolution_answer, error, **named, options=self.options)
+        if method is methods.FILM_IN_TIME:
+            from contactstudy.evolution.evolve_lubricated import evolve_lubricated
+
+            tolerance = self.options.tolerance
+            return self._followed(evolve_lubricated, films_answer, error, step=steps.step, tolerance=tolerance)
+        from contactstudy.evolution import stationary
+
+        if method is methods.FILM_WEAR:
+            return self._followed(stationary.follow_film_wear, films_answer, error, options=self._film_options)
+        if method is methods.STEADY_WEAR:
+            return self._followed(stationary.follow_wear, evolution_answer, error, options=self.options)
+        return self._followed(stationary.follow_load, evolution_answer, options=self.options)
 
     def _followed(
         self,
@@ -377,27 +392,6 @@ class _Request:
         is_default = self.options.max_iterations == SolveOptions().max_iterations
         return replace(self.options, max_iterations=FILM_ITERATIONS) if is_default else self.options
 
-    def quasi_static(self) -> "Evolution":
-        """Follow a contact that is in equilibrium at each instant through a history of loads."""
-        from contactstudy.answers.evolution import evolution_answer
-        from contactstudy.evolution.stationary import follow_load
-
-        return self._followed(follow_load, evolution_answer, options=self.options)
-
-    def steady_wear(self) -> "Evolution":
-        """Follow the wear of a contact in steady or tractive rolling."""
-        from contactstudy.answers.evolution import evolution_answer
-        from contactstudy.evolution.stationary import follow_wear
-
-        return self._followed(follow_wear, evolution_answer, self._error_of_steps, options=self.options)
-
-    def film_wear(self) -> "Evolution":
-        """Follow the wear of asperities on a boundary film."""
-        from contactstudy.answers.evolution import films_answer
-        from contactstudy.evolution.stationary import follow_film_wear
-
-        return self._followed(follow_film_wear, films_answer, self._error_of_steps, options=self._film_options)
-
     @property
     def _error_of_steps(self) -> float | None:
         """Largest error of the steps in time: the given one, or a fraction of the requested error.
@@ -414,21 +408,16 @@ class _Request:
         from contactstudy.answers.lubricated_contact import film_answer
         from contactstudy.lubrication.pseudo_time import FilmControls
         from contactstudy.lubrication.steady_film import solve_lubricated
-        from contactstudy.planning.film_plan import (
-            MAX_CELLS,
-            MAX_REQUESTED_CELLS,
-            finer_film_grid,
-            varies_along,
-        )
+        from contactstudy.planning import film_plan
 
         if self.start is not None and not hasattr(self.start, "film"):
             raise InvalidInput(
                 f"solve.start is of the type {type(self.start).__name__}: give a LubricatedContact, such as the film at "
                 "a somewhat higher speed."
             )
-        smooth = self.grid is None and not any(map(varies_along, self.scene.shapes))
+        smooth = self.grid is None and not any(map(film_plan.varies_along, self.scene.shapes))
         error = self.target if smooth or self.error is not None else None
-        most_cells = MAX_CELLS if self.error is None else MAX_REQUESTED_CELLS
+        most_cells = film_plan.MAX_CELLS if self.error is None else film_plan.MAX_REQUESTED_CELLS
         first, padding = self.planned()
         controls = FilmControls(
             tolerance=self.options.tolerance,
@@ -444,21 +433,13 @@ class _Request:
         for _ in range(FILM_REFINEMENTS if error is not None else 0):
             assert error is not None
             self.report_bounds(answer)
-            finer = finer_film_grid(
+            finer = film_plan.finer_film_grid(
                 answer.grid, first, answer.requested_errors, error, most_cells, None if smooth else first
             )
             if finer is None:
                 break
             answer = solve_on(finer, answer)
         return answer
-
-    def time_dependent_film(self) -> "Evolution":
-        """Follow a film through time."""
-        from contactstudy.answers.evolution import films_answer
-        from contactstudy.evolution.evolve_lubricated import evolve_lubricated
-
-        named = {"step": self.steps.step, "tolerance": self.options.tolerance}
-        return self._followed(evolve_lubricated, films_answer, self._error_of_steps, **named)
 
     def _refined(self, answer: Any, solve_on: Callable[[Grid], Any], by_pressure: int = REFINEMENTS) -> Any:
         """Solve again on finer grids until the bounds of the answer meet the request, where that is possible.
@@ -488,16 +469,16 @@ class _Request:
 # What a problem is solved with, and methods of a request by those of scenes.
 PROBLEM = methods.Method("a problem", methods.STATIC.keywords)
 SOLVED_BY: Mapping[methods.Method, Callable[[_Request], "Contact | LubricatedContact | Evolution"]] = {
+    PROBLEM: _Request.problem,
     methods.STATIC: _Request.contact,
     methods.STEADY_ROLLING: _Request.steady_rolling,
     methods.PASSES: _Request.repeated_rolling,
-    methods.QUASI_STATIC: _Request.quasi_static,
-    methods.TIME_DEPENDENT: _Request.time_dependent,
-    methods.STEADY_WEAR: _Request.steady_wear,
     methods.FILM: _Request.film,
-    methods.FILM_IN_TIME: _Request.time_dependent_film,
-    methods.FILM_WEAR: _Request.film_wear,
-    PROBLEM: _Request.problem,
+    methods.QUASI_STATIC: _Request.evolution,
+    methods.TIME_DEPENDENT: _Request.evolution,
+    methods.STEADY_WEAR: _Request.evolution,
+    methods.FILM_IN_TIME: _Request.evolution,
+    methods.FILM_WEAR: _Request.evolution,
 }
 
 

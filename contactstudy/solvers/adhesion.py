@@ -291,41 +291,36 @@ class PullOffSearch:
         Where the solve at some load does not converge, the status is that of this load, which the note says.
         """
         assert problem.control.total is not None
-        last_stable = self.solver.solve(problem, options, start, device)
-        status, note = last_stable.status, last_stable.note
-        iterations, convolutions = last_stable.iterations, last_stable.convolutions
-        load, first_unstable = problem.control.total, -inf
-        to_load_per_length = problem.grid.cell_area / problem.grid.length
+        load, first_unstable, trial = problem.control.total, -inf, inf
+        last = stable = self.solver.solve(problem, options, start, device)
+        iterations, convolutions = last.iterations, last.convolutions
         options = replace(options, max_iterations=ITERATION_FACTOR * options.max_iterations)
-        while status.has_converged and (
+        while last.status.has_converged and (
             first_unstable == -inf or load - first_unstable > self.error * abs(first_unstable)
         ):
-            assert last_stable.adhesion is not None
-            pull = LOAD_STEP * float(last_stable.adhesion.attraction.sum())
+            assert stable.adhesion is not None
+            attraction = stable.adhesion.attraction
             # bodies that attract each other do not separate under a load of at least 0
-            trial = min(load - pull, 0.0) if first_unstable == -inf else (load + first_unstable) / 2
+            lower = min(load - LOAD_STEP * float(attraction.sum()), 0.0)
+            trial = lower if first_unstable == -inf else (load + first_unstable) / 2
             lowered = replace(problem, control=PrescribedLoad(trial))
-            state = self.solver.continued(last_stable.adhesion.attraction).solve(
-                lowered, options, last_stable.pressure, device
-            )
-            iterations += state.iterations
-            convolutions += state.convolutions
-            if state.status is Status.DETACHED:
-                first_unstable = trial
-                continue
-            status, note = state.status, state.note
-            if status.has_converged:
-                load, last_stable = trial, state
-            else:
-                where = f"{trial * to_load_per_length:.4g} N/m"
-                ended = f"The search for the pull-off load ended at {where}, where it did not converge."
-                note = f"{note} {ended}".lstrip()
-        assert last_stable.adhesion is not None
+            last = self.solver.continued(attraction).solve(lowered, options, stable.pressure, device)
+            iterations, convolutions = iterations + last.iterations, convolutions + last.convolutions
+            if last.status is Status.DETACHED:
+                first_unstable, last = trial, stable
+            elif last.status.has_converged:
+                load, stable = trial, last
+        assert stable.adhesion is not None
+        note, to_load_per_length = last.note, problem.grid.cell_area / problem.grid.length
+        if last is not stable:
+            where = f"{trial * to_load_per_length:.4g} N/m"
+            note = f"{note} The search for the pull-off load ended at {where}, where it did not converge.".lstrip()
         part = replace(
-            last_stable.adhesion,
+            stable.adhesion,
             branch=self.solver.branch.value,
             first_unstable_load=first_unstable * to_load_per_length if first_unstable > -inf else None,
         )
+        status = last.status
         return replace(
-            last_stable, status=status, note=note, iterations=iterations, convolutions=convolutions, adhesion=part
+            stable, status=status, note=note, iterations=iterations, convolutions=convolutions, adhesion=part
         )

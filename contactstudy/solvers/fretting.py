@@ -24,7 +24,7 @@ from contactstudy.domain.validation import InvalidInput, readable
 from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.coulomb import CoulombNewton, ElasticSlip, SlipStep, shear_status
-from contactstudy.solvers.solution import FrettingTraction, Solution, Status, TangentialTraction, with_traction, worst
+from contactstudy.solvers.solution import FrettingTraction, Solution, Status, TangentialTraction, worst
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Fraction by which a force may exceed what friction transmits, as a load summed over cells is rounded.
@@ -197,9 +197,8 @@ class FrettingShear:
             cycle=cycle,
             bulk=(0.0, stresses[-1]) if self.bulk_body else (stresses[-1], 0.0),
         )
-        return with_traction(
-            normal, worst(statuses), residual, applications, CONVOLUTIONS_PER_APPLICATION * applications, traction
-        )
+        convolutions = CONVOLUTIONS_PER_APPLICATION * applications
+        return normal.with_traction(traction, worst(statuses), residual, applications, convolutions)
 
     def loop(self, solution: Solution) -> tuple[Array, Array, Array]:
         """Return forces along x [N], rigid displacements [m] and slip [m] along the last whole cycle, or the history.

@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from math import inf
-from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -339,6 +338,23 @@ class Solution:
         lengths = self.problem.covered_fractions
         return float(self.gap.mean() if lengths is None else np.average(self.gap.mean(axis=0), weights=lengths))
 
+    def with_traction(
+        self, traction: TangentialTraction, status: Status, residual: float, iterations: int, convolutions: float
+    ) -> "Solution":
+        """Return this normal solution with a `traction`, whose solve ended with this status and residual.
+
+        The status is the more serious one, the residual the larger one. The `iterations` and `convolutions` of the
+        traction are added.
+        """
+        return replace(
+            self,
+            traction=traction,
+            status=worst([self.status, status]),
+            residual=largest_of(self.residual, residual),
+            iterations=self.iterations + iterations,
+            convolutions=self.convolutions + convolutions,
+        )
+
     @property
     def shear(self) -> Array:
         """Tangential traction on the first body (component, x, y) [Pa], along x and y.
@@ -387,29 +403,6 @@ def unloaded(problem: Problem) -> Solution:
     )
 
 
-def with_traction(
-    solution: Solution,
-    status: Status,
-    residual: float,
-    iterations: int,
-    convolutions: float,
-    traction: TangentialTraction,
-) -> Solution:
-    """Return a normal `solution` with a `traction`, whose solve ended with this status and residual.
-
-    The status is the more serious one, the residual the larger one. The `iterations` and `convolutions` of the traction
-    are added.
-    """
-    return replace(
-        solution,
-        status=worst([solution.status, status]),
-        residual=largest_of(solution.residual, residual),
-        iterations=solution.iterations + iterations,
-        convolutions=solution.convolutions + convolutions,
-        traction=traction,
-    )
-
-
 def net_pressure(pressure: Array, adhesion: AdhesiveTraction | None) -> Array:
     """Return the `pressure` (x, y) [Pa] less the attraction, under which the bodies deform."""
     return pressure if adhesion is None else pressure - adhesion.attraction
@@ -418,12 +411,12 @@ def net_pressure(pressure: Array, adhesion: AdhesiveTraction | None) -> Array:
 class CoupledSolution(NamedTuple):
     """Contact that was solved together with a state of the bodies, and the `energy` [J] that the state adds.
 
-    The `state`, such as plastic strain, has arrays by name. It is empty where the contact was solved alone.
+    The `state`, such as plastic strain, has arrays by name.
     """
 
     solution: Solution
-    state: Mapping[str, Array] = MappingProxyType({})
-    energy: float = 0.0
+    state: Mapping[str, Array]
+    energy: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -480,9 +473,9 @@ class Creepage:
     Parameters
     ----------
     longitudinal, lateral
-        Along x and along y.
+        Creepage along x and along y.
     spin
-        About z [1/m].
+        Angular velocity about z over the rolling speed [1/m].
     """
 
     longitudinal: float
@@ -490,7 +483,7 @@ class Creepage:
     spin: float
 
     def on(self, grid: Grid) -> Array:
-        """Return the creepage (component, x, y), spin included, in the cells of `grid`."""
+        """Return the creepage (component, x, y) in the cells of `grid`, with that by the spin about x = y = 0."""
         creepage = np.empty((2, *grid.cells))
         creepage[0] = self.longitudinal - self.spin * grid.y
         creepage[1] = self.lateral + self.spin * grid.x[:, None]
@@ -499,7 +492,7 @@ class Creepage:
 
 @dataclass(frozen=True)
 class RollingErrors:
-    """Errors by the size of the cells, estimated by coarser grids; infinite where there is none.
+    """Errors by the size of the cells, estimated by coarser grids; infinite where nothing estimates them.
 
     Parameters
     ----------
@@ -514,10 +507,6 @@ class RollingErrors:
     force: float = inf
     creepage: float = inf
     power: float = inf
-
-
-# Errors on one grid alone, which nothing estimates.
-UNKNOWN = RollingErrors()
 
 
 @dataclass(frozen=True, eq=False)
@@ -535,8 +524,8 @@ class RollingTraction(TangentialTraction):
         and after it: the traction after it alone would leave out what the step dissipates.
     power_outside_contact
         Fraction of the power in cells just outside the contact, which have the mean of their traction and that of a
-        neighbour: an error by the cells that one grid shows. `errors` has the one that
-        coarser grids show; the bound of the power is their sum.
+        neighbour: an error by the cells that one grid shows. `errors` has the error that coarser grids show; the bound
+        of the power is their sum.
     errors
         Estimated errors of force, creepage and power.
     creepage_given

@@ -27,15 +27,7 @@ from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.coulomb import CoulombNewton, ElasticSlip, shear_status
 from contactstudy.solvers.fretting import transmission_status
-from contactstudy.solvers.solution import (
-    UNKNOWN,
-    Creepage,
-    RollingErrors,
-    RollingTraction,
-    Solution,
-    TangentialTraction,
-    with_traction,
-)
+from contactstudy.solvers.solution import Creepage, RollingErrors, RollingTraction, Solution, TangentialTraction
 from contactstudy.solvers.solve import SolveOptions, solve_contact, solve_with_mixing
 
 # Fewest cells along an axis of a coarser grid: from 4 to 32 the work changes by 3 % on lines and on rough contacts.
@@ -142,12 +134,11 @@ class TractiveShear:
         if rolling is None:
             acts = transmission_status(self.force_per_length or 0.0, normal.pressure, problem.grid)
             no_shear, no_stick = np.zeros((2, *problem.grid.cells)), np.zeros(problem.grid.cells, dtype=bool)
-            return with_traction(
-                normal, acts, 0.0, 0, 0.0, TangentialTraction(no_shear, no_stick, "tractive rolling", 0)
-            )
+            traction = TangentialTraction(no_shear, no_stick, "tractive rolling", 0)
+            return normal.with_traction(traction, acts, 0.0, 0, 0.0)
         status = shear_status(residual, rolling.iterations, options.tolerance, options.max_iterations)
         normal = replace(normal, note=f"{normal.note} {self.note}".strip())
-        return with_traction(normal, status, residual, applications, convolutions, rolling)
+        return normal.with_traction(rolling, status, residual, applications, convolutions)
 
     def steady(
         self, grid: Grid, pressure: Array, options: SolveOptions, last: RollingTraction | None = None
@@ -208,7 +199,7 @@ class TractiveShear:
         closed form for a contact as long along x as the `touching` cells (x, y) are in the mean.
         """
         if len(levels) == 1:
-            return UNKNOWN
+            return RollingErrors()
         cells = np.array([level.cells for level in grids])
         finer = (cells[1:] / cells[:-1]).max(axis=1)
         starts = np.count_nonzero(np.diff(touching, axis=0, prepend=False) & touching)

@@ -269,7 +269,7 @@ def _of_library(name: str, reading: Reading) -> FileContent:
                 f"path is {name!r}, in which SurfaceTopography finds no surface{why}: give a "
                 "file in a format that it reads, complete, or export the heights as x3p, txt or csv."
             ) from unreadable
-    if values.ndim != 2:
+    if values.ndim != 2 or len(sizes) != 2:
         raise InvalidInput(
             f"path is {name!r}, a profile: export it as text, in columns x and z, or give a file of a surface."
         )

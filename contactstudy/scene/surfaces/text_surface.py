@@ -26,7 +26,7 @@ Sizes = Literal["checked", "confirmed"]
 
 @validated
 class Reading:
-    """What is said beside a file of a measured surface, where the file itself leaves it open.
+    """Values that are given beside a file of a measured surface, for what the file leaves open.
 
     Parameters
     ----------

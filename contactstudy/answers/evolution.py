@@ -49,12 +49,7 @@ BY_GRIDS = frozenset({NO_ESTIMATE, NO_BOUND_OF_STATES, NO_BOUND_OF_FILMS})
 
 
 # Outcomes of steps after which nothing is known of the error.
-WITHOUT_EQUILIBRIUM = (
-    Status.NOT_CONVERGED,
-    Status.FILM_NOT_CONVERGED,
-    Status.SHEAR_BEYOND_YIELD,
-    Status.WORN_THROUGH,
-)
+WITHOUT_EQUILIBRIUM = (Status.NOT_CONVERGED, Status.FILM_NOT_CONVERGED, Status.SHEAR_BEYOND_YIELD, Status.WORN_THROUGH)
 
 
 def _by_size(l1: ErrorParts) -> tuple[float, bool, float]:

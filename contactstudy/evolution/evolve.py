@@ -29,14 +29,7 @@ from contactstudy.evolution.states.state_variables import (
     solved_or_unloaded,
 )
 from contactstudy.evolution.time_stepper import Instant, StateVariable, TimeStepper
-from contactstudy.evolution.trajectory import (
-    NO_BOUND_OF_STATES,
-    Checkpoint,
-    Frame,
-    Trajectory,
-    error_of_peak,
-    frame_of,
-)
+from contactstudy.evolution.trajectory import NO_BOUND_OF_STATES, Checkpoint, Frame, Trajectory, error_of_peak, frame_of
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.friction import Fretting, has_proportional_compliances
 from contactstudy.scene.loads import ChangingLoad, LoadHistory

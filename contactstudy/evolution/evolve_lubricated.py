@@ -356,11 +356,7 @@ class _FilmStepper(MarchState):
         load_before = load.before(end) if isinstance(load, ChangingLoad) else self.scene.largest_load
         now = self._posed_at(end, distance, load_before)
         step, time = length / self.time_unit, end / self.time_unit
-        controls = FilmControls(
-            tolerance=self.tolerance,
-            max_iterations=MAX_ITERATIONS,
-            time_step=PSEUDO_TIME_STEP,
-        )
+        controls = FilmControls(tolerance=self.tolerance, max_iterations=MAX_ITERATIONS, time_step=PSEUDO_TIME_STEP)
         squeeze = self._squeeze_term(step, [instant.content for instant in self.past])
         last = iterate(
             now.equation, self._expected(now, time), controls, squeeze=squeeze, cavitated=self.last.cavitated

@@ -38,14 +38,7 @@ from contactstudy.problem.problem import Problem, Scales
 from contactstudy.scene.loads import ChangingLoad
 from contactstudy.scene.shapes.shape import ShapesSource
 from contactstudy.solvers.coulomb import FullSliding
-from contactstudy.solvers.solution import (
-    AdhesiveTraction,
-    Solution,
-    Status,
-    TangentialTraction,
-    net_pressure,
-    unloaded,
-)
+from contactstudy.solvers.solution import AdhesiveTraction, Solution, Status, TangentialTraction, net_pressure, unloaded
 from contactstudy.solvers.solve import SolveOptions
 
 if TYPE_CHECKING:  # imported only for scenes with a body that yields

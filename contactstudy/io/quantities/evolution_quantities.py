@@ -6,6 +6,7 @@ net work (:func:`history_quantities`). Of repeated rolling they are what the las
 (:func:`passes_quantities`).
 """
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
@@ -122,16 +123,18 @@ def _extremes(
             continue
         values = [extreme([quantity.value]) for quantity, _ in known]  # the size of a value, for a magnitude
         index = values.index(extreme(values))
-        found, time = known[index]
-        bound, beyond = inf if reason else found.bound, 0.0
+        (quantity, time), instants = known[index], [instant for _, instant in known]
+        bound, beyond = inf if reason else quantity.bound, 0.0
+        # an instant may be recorded twice
+        before, after = bisect_left(instants, time) - 1, bisect_right(instants, time)
         if name in ranges:
             beyond = abs(extreme([*ranges[name], values[index]]) - values[index])
-        elif 0 < index < len(known) - 1 and time not in kinks:  # at a kink the extreme is at the instant itself
-            around = slice(index - 1, index + 2)
-            beyond = _beyond_parabola([instant for _, instant in known[around]], values[around])
+        elif before >= 0 and after < len(known) and time not in kinks:  # at a kink the extreme is at the instant itself
+            places = before, index, after
+            beyond = _beyond_parabola([instants[place] for place in places], [values[place] for place in places])
         quantities[name] = replace(
-            found, value=values[index], label=label, bound=bound + beyond, reason=reason or found.reason,
-            position={"time": float(time)}, detail="", rivals=(*found.rivals, (values[index] + MARGIN * beyond, 0.0)),
+            quantity, value=values[index], label=label, bound=bound + beyond, reason=reason or quantity.reason,
+            position={"time": float(time)}, detail="", rivals=(*quantity.rivals, (values[index] + MARGIN * beyond, 0.0)),
         )  # fmt: skip
     return quantities
 

@@ -184,6 +184,14 @@ def test_a_frame_before_the_load_is_zero_keeps_its_own_error() -> None:
     assert unloaded.errors_by_steps["l1"] == 0
 
 
+def test_the_largest_recorded_pressure_of_a_jump_is_given_though_a_peak_before_it_is_not_recorded() -> None:
+    load = cs.LoadHistory((0.0, 0.2, 0.5, 0.5, 1.0), (LOAD, 3 * LOAD, LOAD, 2 * LOAD, LOAD))
+    found = cs.solve(rolling_cylinder(SOLID, load), COARSE, EXACT, times=(0.5, 0.5, 1.0))
+    peak = found.quantities["peak_pressure"]
+    assert (peak.value, peak.bound) == (found.frames[1].peak_pressure, np.inf)
+    assert "between the recorded instants" in peak.reason
+
+
 def test_contacts_that_stop_early_count_in_the_errors_of_later_instants() -> None:
     scene, times = rolling_cylinder(SOLID), np.linspace(0, 1, 9)
     exact = evolve(scene, GRID, EXACT, times=times)

@@ -1,4 +1,15 @@
-"""Follow a dry scene through time: its state variables, its steps with their errors, and the frames recorded of them."""
+"""Follow a dry scene whose state depends on its history: bodies that creep or yield, and interfaces that slide and wear.
+
+:func:`evolve` makes of a scene what takes one step (``TimeStepper``), what tells the errors of steps
+(:class:`DrySteps`), and the march that takes them (``March``). The march integrates twice: with short steps, whose
+instants (`fine`) become the frames, and with steps twice as long (`coarse`). Their difference tells the error by the
+steps, by factors that were found for each kind of state. The error by the cells is that of a contact at rest, of each
+recorded instant, and grows where the state depends on earlier pressures. In a folder, an integration that was stopped
+goes on from its last step.
+
+Here are no contacts that are in equilibrium at each instant, as of elastic bodies that adhere or roll steadily: they are
+in ``stationary``.
+"""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -57,9 +68,20 @@ INCREMENTS = 4
 # Largest number of halvings of a step in which bodies start to yield. Without them the error of a cylinder at three
 # times yield was 2.1 % and its estimate 0.3 %; with 3 the estimate is above the error, and from 6 on both stay.
 MAX_HALVINGS = 6
+# In the first march, a pair of steps may add this fraction of the allowed error to the difference of two integrations:
+# not all of it, as the errors of several pairs add up, and a march with too large an error starts again.
+INITIAL_TOLERANCE_FRACTION = 0.5
+# Duration of the first pair of steps over that of all. It decides nothing but work: a pair that is too long is rejected.
+INITIAL_STEP = 1e-2
+# Least error of the steps over the tolerance of the contacts, whose own errors then count little in the differences.
+MIN_ERROR_OVER_TOLERANCE = 100
+# Files of a checkpoint: a recorded frame by its index, and the march to go on from.
+FRAME_FILE, STATE_FILE = "frame_{:05d}.npz", "state.npz"
+# Least steps in a period of a load that repeats: at whole and at half periods a sine has the same load.
+PER_PERIOD = 4
 NO_ESTIMATE_OF_STEPS = "No bound: the time-discretisation error was not estimated."
 CUT_OFF_STRAIN = "No bound: the plastic strain is cut off at the edge of the grid, give Grid.extent a larger one."
-# Discretisation error at the end of an integration over that of the last contact alone: with each state variable, which
+# Error by the cells at the end of an integration over that of the last contact alone: with each state variable, which
 # depends on earlier pressures, and with plastic strain, whose cells below the surface add to it. Bounds by the cells
 # held in 238 of 238 frames with creep, wear or both, and were 3 to 4 times too large in the median; with plastic strain
 # the ratios were up to 3.6.
@@ -113,7 +135,9 @@ class DrySteps(Method[Instant, Frame]):
     stepper
         Takes one step.
     estimator
-        How the time-discretisation error is estimated.
+        How the time-discretisation error is estimated: by "step_doubling", or "none".
+    errors
+        Errors until now, which :meth:`begin` sets to none and :meth:`accept` and :meth:`recorded` keep up to date.
     """
 
     stepper: TimeStepper
@@ -149,7 +173,7 @@ class DrySteps(Method[Instant, Frame]):
         if after[0].change == inf:
             return inf
         change = (after[0].pressure - after[1].pressure) - (before[0].pressure - before[1].pressure)
-        of_traction = self._of_traction(*after) - self._of_traction(*before)
+        of_traction = self._traction_error(*after) - self._traction_error(*before)
         step = (after[0].time - before[0].time) / 2
         total = self._error_over_difference(step) * float(np.abs(change).sum())
         return max(self._relative(total, after[0], before[0]), of_traction)
@@ -161,16 +185,16 @@ class DrySteps(Method[Instant, Frame]):
         """
         (fine, coarse), errors = after, self.errors
         for instant in {id(instant): instant for instant in (middle, fine, coarse) if instant}.values():
-            self._keep(instant.contacts)
+            self._keep_residuals(instant.contacts)
         if coarse is None:
             return 0.0
         if fine.time > before.time:
             errors.step = (fine.time - before.time) / 2
         earlier, earlier_traction = errors.by_steps, errors.traction
         errors.by_steps = self._update_by_steps(fine, coarse, errors.step)
-        size = self._size_of_traction(fine)
+        size = self._size_traction_error(fine)
         # the difference of two integrations may vanish where the force turns, and their error does not
-        errors.traction = max(self._of_traction(fine, coarse) * size, earlier_traction / LARGEST_FALL)
+        errors.traction = max(self._traction_error(fine, coarse) * size, earlier_traction / LARGEST_FALL)
         # what is recorded in the middle lies between two instants of the doubled step
         factor = INSIDE_STIFF_STEP if self.stepper.creep_ends_within(errors.step) else 1.0
         errors.inside = {name: max(earlier[name], factor * error) for name, error in errors.by_steps.items()}
@@ -182,7 +206,7 @@ class DrySteps(Method[Instant, Frame]):
         instant, stepper = record.state, self.stepper
         variables = stepper.all_state_variables
         solution = instant.contacts[-1] if instant.contacts else unloaded(stepper.problem)
-        by_steps = self._by_steps_in(record, has_failed=has_failed)
+        by_steps = self._errors_by_steps(record, has_failed=has_failed)
         status = worst_until(solution.status, record.statuses)
         shown = {
             name: field
@@ -212,20 +236,24 @@ class DrySteps(Method[Instant, Frame]):
             **work,
         )
 
-    def _by_steps_in(self, record: Record[Instant], *, has_failed: bool) -> dict[str, float]:
-        """Return the relative time-discretisation errors of a record: "l1", and "peak_pressure" of the peak."""
+    def _errors_by_steps(self, record: Record[Instant], *, has_failed: bool) -> dict[str, float]:
+        """Return the relative time-discretisation errors of a record by the names of `Errors.by_steps`.
+
+        "l1" is that of the tangential traction of fretting where that is larger. Both are infinite without an estimate.
+        """
         errors, fretting = self.errors, self.stepper.fretting
         if has_failed or (self.estimator == "none" and self.stepper.all_state_variables):
             return {"l1": inf, "peak_pressure": inf}
         is_inside = record.coarse is None
-        l1, of_peak = (errors.inside if is_inside else errors.by_steps).values()
+        by_steps = errors.inside if is_inside else errors.by_steps
         if fretting is None:
-            return {"l1": l1, "peak_pressure": of_peak}
+            return dict(by_steps)
         # what two integrations have in common: errors of the traction, and of a pressure that its slip wears
-        common, size = fretting.common_error(record.state.states[-1]), self._size_of_traction(record.state)
+        common, size = fretting.common_error(record.state.states[-1]), self._size_traction_error(record.state)
         of_traction = (errors.traction_inside if is_inside else errors.traction) / size if size else 0.0
         of_pressure = common if fretting.wear else 0.0
-        return {"l1": max(l1 + of_pressure, of_traction + common), "peak_pressure": of_peak + of_pressure}
+        l1 = max(by_steps["l1"] + of_pressure, of_traction + common)
+        return {"l1": l1, "peak_pressure": by_steps["peak_pressure"] + of_pressure}
 
     def _update_by_steps(self, fine: Instant, coarse: Instant, step: float) -> dict[str, float]:
         """Return the errors of the pressure of `fine` by the steps, by the names of `Errors.by_steps`.
@@ -244,12 +272,12 @@ class DrySteps(Method[Instant, Frame]):
         peak = float(instant.pressure.max())
         return {"l1": self._relative(total, instant), "peak_pressure": largest / peak if peak else 0.0}
 
-    def _size_of_traction(self, instant: Instant) -> float:
+    def _size_traction_error(self, instant: Instant) -> float:
         """Return the L1 norm [Pa] that errors of the traction of fretting are relative to; 0 without fretting."""
         fretting = self.stepper.fretting
         return 0.0 if fretting is None else fretting.size(instant.states[-1])
 
-    def _of_traction(self, fine: Instant, coarse: Instant) -> float:
+    def _traction_error(self, fine: Instant, coarse: Instant) -> float:
         """Return the relative L1 error of the traction of fretting that two integrations differ by; 0 without it."""
         fretting = self.stepper.fretting
         return 0.0 if fretting is None else fretting.time_discretisation_error(fine.states[-1], coarse.states[-1])
@@ -273,7 +301,7 @@ class DrySteps(Method[Instant, Frame]):
             return FIRST_ORDER_FACTOR
         return HALF_ORDER_FACTOR if self.stepper.is_half_order(step) else 1.0
 
-    def _keep(self, contacts: Iterable[Solution]) -> None:
+    def _keep_residuals(self, contacts: Iterable[Solution]) -> None:
         """Keep the errors of contacts that stopped before the tolerance, on whose pressure later states depend."""
         for contact in contacts if self.stepper.all_state_variables else ():
             if not contact.status.has_converged and contact.pressure.any():
@@ -353,19 +381,6 @@ class DrySteps(Method[Instant, Frame]):
         return pressures * self.stepper.problem.grid.cell_area / largest
 
 
-# In the first march, a pair of steps may add this fraction of the allowed error to the difference of two integrations:
-# not all of it, as the errors of several pairs add up, and a march with too large an error starts again.
-INITIAL_TOLERANCE_FRACTION = 0.5
-# Duration of the first pair of steps over that of all. It decides nothing but work: a pair that is too long is rejected.
-INITIAL_STEP = 1e-2
-# Least error of the steps over the tolerance of the contacts, whose own errors then count little in the differences.
-MIN_ERROR_OVER_TOLERANCE = 100
-# Files of a checkpoint: a recorded frame by its index, and the march to go on from.
-FRAME_FILE, STATE_FILE = "frame_{:05d}.npz", "state.npz"
-# Least steps in a period of a load that repeats: at whole and at half periods a sine has the same load.
-PER_PERIOD = 4
-
-
 def evolve(
     scene: Scene,
     grid: Grid,
@@ -399,12 +414,10 @@ def evolve(
         Cells and boundary conditions, as for :func:`~contactstudy.solve`.
     times
         Recorded instants [s], which do not decrease. Steps end there, and wherever the load or its rate jumps; where
-        bodies yield or fret, also where it turns. Two steps that differ much in length make no
-        pair, and each is halved. A time
-        given twice is recorded before and after a jump of the load.
+        bodies yield or fret, also where it turns. A time given twice is recorded before and after a jump of the load.
     error
-        Allowed relative L1 time-discretisation error, for which steps are chosen. None steps from one of `times`
-        to the next, at most a quarter of the load's period at a time.
+        Allowed relative L1 time-discretisation error, for which steps are chosen. None steps from one of `times` to the
+        next, at most a quarter of the load's period at a time; two steps that differ much in length are halved each.
     error_estimator
         How the time-discretisation error is estimated.
     scheme

@@ -248,6 +248,7 @@ RANGE_MARGIN = 1.25
 # cylinders, from near pull-off to loads of many times it, on 152 to 2432 cells. Of other shapes no limit is known, and
 # four times that is taken.
 PEAK_BY_RANGE = 0.25
+NO_BOUND_OF_STATES = "No bound: this error is not estimated in a contact that has crept, worn or yielded."
 NO_LIMIT = (
     "No bound: in the JKR limit the repulsive part of the pressure and the attraction grow without limit, give "
     "Adhesion.range."

@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
+from contactstudy.accuracy.error_terms import NO_BOUND_OF_STATES
 from contactstudy.answers.answer import NO_COARSER, Answer, Coarser, levels_below, solved_or_none, with_nested_bounds
 from contactstudy.answers.contact import Contact, contact_answer
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts, Request
 from contactstudy.domain.grid import Array, Grid, Padding, Paddings, edge_fraction
 from contactstudy.domain.imports import needed_for
 from contactstudy.domain.validation import readable
-from contactstudy.evolution.trajectory import NO_BOUND_OF_STATES
 from contactstudy.io.quantities.evolution_quantities import evolution_quantities, history_quantities, passes_quantities
 from contactstudy.io.quantities.quantity import NO_ESTIMATE, Quantities, Quantity
 from contactstudy.problem.problem import DependsOnStrain, Field
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from contactstudy.answers.lubricated_contact import LubricatedContact
     from contactstudy.evolution.evolve_lubricated import FilmTrajectory
     from contactstudy.evolution.repeated_rolling import RepeatedRolling
-    from contactstudy.evolution.trajectory import Frame, Trajectory
+    from contactstudy.evolution.time_stepper import Frame, Trajectory
 
 # A frame: a dry contact, or a film.
 Frames = TypeVar("Frames", "Contact", "LubricatedContact")

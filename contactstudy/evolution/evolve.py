@@ -11,43 +11,43 @@ Here are no contacts that are in equilibrium at each instant, as of elastic bodi
 in ``stationary``.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from functools import cached_property
-from math import exp, inf, pi
+from functools import cache, cached_property
+from io import BytesIO
+from math import exp, inf
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar, get_origin
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contactstudy.accuracy.error_terms import NO_LIMIT, residual_errors
+from contactstudy.accuracy.error_terms import NO_BOUND_OF_STATES, NO_LIMIT, residual_errors
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.accuracy.hidden_heights import HiddenHeights
-from contactstudy.domain.device import Precision
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
-from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.domain.files import digest, locked, read_verified, remove_partial_files, write_with_checksum
+from contactstudy.domain.grid import Array, Grid, Padding, Paddings
+from contactstudy.domain.imports import VERSION, import_for, source_hash
 from contactstudy.domain.validation import InvalidInput, NotDefined
-from contactstudy.elasticity.convolution import BoussinesqCoefficients
-from contactstudy.elasticity.viscoelastic import Creep
 from contactstudy.evolution.march import Control, ErrorEstimator, March, Method, Position, Record, Scheme, schedule
-from contactstudy.evolution.states.state_variables import (
-    CreepState,
-    FrettingState,
-    WearState,
-    least_eigenvalue,
-    solved_or_unloaded,
+from contactstudy.evolution.time_stepper import (
+    Frame,
+    Instant,
+    TimeStepper,
+    Trajectory,
+    error_of_peak,
+    frame_of,
+    time_stepper,
 )
-from contactstudy.evolution.time_stepper import Instant, StateVariable, TimeStepper
-from contactstudy.evolution.trajectory import NO_BOUND_OF_STATES, Checkpoint, Frame, Trajectory, error_of_peak, frame_of
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.friction import Fretting, has_proportional_compliances
+from contactstudy.scene.friction import Fretting
 from contactstudy.scene.loads import ChangingLoad, LoadHistory
 from contactstudy.scene.scene import PosedScene, Scene
-from contactstudy.scene.shapes.shape import summed_gap
-from contactstudy.scene.solids.bodies import creeps, instantaneous, response, yields
-from contactstudy.scene.solids.inelastic import creeping, relaxed
 from contactstudy.solvers.solution import Solution, Status, unloaded, worst_until
 from contactstudy.solvers.solve import SolveOptions
 
@@ -446,7 +446,7 @@ def evolve(
             f"solve.error or TimeSteps.error leaves {error!r} to the steps in time: give at least "
             f"{MIN_ERROR_OVER_TOLERANCE} times the tolerance of the contacts, or a smaller tolerance."
         )
-    stepper = _time_stepper(scene, grid, padding, load, end - load.start, scheme, options)
+    stepper = time_stepper(scene, grid, padding, load, end - load.start, scheme, options)
     keeps_states = bool(stepper.all_state_variables)
     breakpoints = schedule(
         load,
@@ -471,6 +471,132 @@ def evolve(
         with Checkpoint.open(Path(folder), request) as checkpoint:
             _run_in(checkpoint, march, steps)
     return Trajectory(tuple(march.results), march.at.total, PosedScene(scene, grid, padding), stepper.coupled)
+
+
+T = TypeVar("T")
+# Key in JSON of the name of an array, which is stored beside it.
+ARRAY = "array"
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """Folder of one integration, in which values are kept: made by :meth:`open`.
+
+    Beside ``request.json``, which says of what integration the folder is, each value has a file, such as
+    ``frame_00000.npz``. Each file has a checksum and is replaced in one step, so that a killed integration leaves the
+    previous one and damage is detected.
+
+    Attributes
+    ----------
+    folder
+        The folder.
+    request_hash
+        Hash of the request and of this program, which every file names.
+    """
+
+    folder: Path
+    request_hash: str
+
+    @classmethod
+    @contextmanager
+    def open(cls, folder: Path, request: object) -> "Iterator[Checkpoint]":
+        """Make the folder of an integration, or check that it is of this one, and lock it as long as the block lasts.
+
+        Parameters
+        ----------
+        folder
+            The folder; it need not exist.
+        request
+            Scene, grid and options that identify the integration.
+
+        Raises
+        ------
+        InvalidInput
+            If the folder holds another integration, one of another version of this program or in another process, or
+            damaged files.
+        """
+        folder.mkdir(parents=True, exist_ok=True)
+        identity = {"request": digest(request), "version": VERSION, "source": source_hash()}
+        checkpoint, path = cls(folder, digest(identity)), folder / "request.json"
+        with locked(folder / ".integration.lock", f"solve.folder {str(folder)!r}"):
+            remove_partial_files(folder)
+            if path.exists():
+                checkpoint._check_identity(identity)
+            elif any(not entry.name.startswith(".") for entry in folder.iterdir()):
+                raise InvalidInput(f"solve.folder is {str(folder)!r}, which holds other files: give an empty folder.")
+            else:
+                write_with_checksum(path, json.dumps(identity, indent=1).encode())
+            yield checkpoint
+
+    def _check_identity(self, identity: Mapping[str, Any]) -> None:
+        """Raise InvalidInput if ``request.json`` in the folder has another identity: "request", "version", "source"."""
+        with self._report_damage():
+            content = read_verified(self.folder / "request.json")
+            stored = json.loads(content or b"")
+            stored_identity = [stored[name] for name in identity]
+        what = "an integration of another version of this program"
+        if stored_identity[0] != identity["request"]:
+            what = "the integration of another scene, grid or request"
+        if stored_identity != list(identity.values()):
+            raise InvalidInput(f"solve.folder is {str(self.folder)!r}, which holds {what}: give another folder.")
+
+    @contextmanager
+    def _report_damage(self) -> Iterator[None]:
+        """Convert an error that shows a damaged file into an InvalidInput that names the folder."""
+        try:
+            yield
+        except (OSError, LookupError, TypeError, ValueError, EOFError, BadZipFile) as error:
+            raise InvalidInput(
+                f"solve.folder is {str(self.folder)!r}, which is damaged ({type(error).__name__}): remove it, or give "
+                "another folder."
+            ) from None
+
+    def write(self, name: str, value: object) -> None:
+        """Replace the file called `name` by one with `value`: its arrays beside all else as JSON, which names them."""
+        arrays: dict[str, Array] = {}
+
+        def name_array(values: object) -> dict[str, str]:
+            if not isinstance(values, np.ndarray):
+                raise TypeError(f"{type(values).__name__} cannot be stored in {name}")
+            array = f"array_{len(arrays)}"
+            arrays[array] = values
+            return {ARRAY: array}
+
+        tree = {"request": self.request_hash, "file": name}
+        tree["value"] = _converter().unstructure(value)
+        content = BytesIO()
+        header = json.dumps(tree, default=name_array)
+        np.savez(content, header=np.array(header), **arrays)  # type: ignore[arg-type]
+        write_with_checksum(self.folder / name, content.getvalue())
+
+    def read(self, name: str, kind: type[T]) -> T:
+        """Return the value of that `kind` in the file called `name`."""
+        path = self.folder / name
+        with self._report_damage(), np.load(BytesIO(read_verified(path) or b"")) as file:
+
+            def with_arrays(item: dict[str, Any]) -> Any:
+                return file[item[ARRAY]] if ARRAY in item else item
+
+            header = json.loads(str(file["header"]), object_hook=with_arrays)
+            if (header["request"], header["file"]) != (self.request_hash, name):
+                raise ValueError("a file of another integration")
+            value: T = _converter().structure(header["value"], kind)
+            return value
+
+
+@cache
+def _converter() -> Any:
+    """Return a converter between dataclasses and values for JSON, which leaves arrays as they are, and problems out."""
+    converter = import_for("solve.folder", "cattrs").Converter(detailed_validation=False)
+
+    def is_array(kind: Any) -> bool:
+        return np.ndarray in (kind, get_origin(kind))
+
+    converter.register_unstructure_hook_func(is_array, lambda values: values)
+    converter.register_structure_hook_func(is_array, lambda values, _: values)
+    converter.register_unstructure_hook(Problem, lambda _: None)
+    converter.register_structure_hook(Problem, lambda values, _: values)
+    return converter
 
 
 @dataclass(frozen=True)
@@ -503,96 +629,6 @@ def _run_in(checkpoint: Checkpoint, march: March[Instant, Frame], steps: DryStep
         checkpoint.write(STATE_FILE, _Saved(bare, steps.errors, len(frames)))
 
     march.run(save)
-
-
-def _time_stepper(
-    scene: Scene,
-    grid: Grid,
-    padding: Padding | Paddings,
-    load: ChangingLoad,
-    duration: float,
-    scheme: Scheme,
-    options: SolveOptions,
-) -> TimeStepper:
-    """Return what steps `scene`, from the elastic contact under the largest load, applied suddenly.
-
-    The `duration` [s] is that of all steps.
-    """
-    solids = instantaneous(scene.solids)
-    frets = isinstance(scene.friction, Fretting)
-    friction = None if frets else scene.friction
-    elastic = replace(scene.under(load.largest), solids=solids, wear=None, friction=friction)
-    adhesive_solver = None
-    if scene.adhesion is not None and any(map(creeps, scene.solids)):
-        heights, softest = summed_gap(scene.shapes, grid), relaxed(scene.solids, duration)
-        adhesive_solver = scene.adhesion.solver_on(elastic, heights, grid, softest)
-    problem = elastic.problem(grid, padding, adhesive_solver)
-    datum = elastic.datum(grid)
-    variables: list[StateVariable] = [
-        # the coefficients lack the factor 1 / pi
-        CreepState(body.creep.scaled(1 / pi), BoussinesqCoefficients(datum))
-        for body in creeping(scene.solids)
-    ]
-    if scene.wear is not None and scene.wear.rate_per_pressure > 0:
-        variables.append(WearState(scene.wear.rate_per_pressure, scene.wear.body))
-    if frets:  # last: the time stepper and the errors take the last state for that of fretting
-        variables.append(_fretting_state(scene, problem, options))
-    coupled = None
-    if any(map(yields, scene.solids)):
-        from contactstudy.evolution.states.plastic import PlasticState, YieldingBody, check_paddings
-
-        check_paddings(problem)
-        elastic_contact = solved_or_unloaded(options, problem)
-        coupled = PlasticState(YieldingBody.in_scene(scene), elastic_contact, Precision(options.precision))
-    return TimeStepper(
-        problem=problem,
-        load=load,
-        loaded_length=scene.loaded_length(grid, padding),
-        weights=dict(response(solids, datum)),
-        state_variables=tuple(variables),
-        coupled=coupled,
-        scheme=scheme,
-        options=options,
-    )
-
-
-def _fretting_state(scene: Scene, problem: Problem, options: SolveOptions) -> FrettingState:
-    """Return the tangential traction of a scene that frets, as a state variable."""
-    fretting, paddings = scene.friction, problem.paddings
-    assert isinstance(fretting, Fretting)
-    assert fretting.history is not None
-    assert paddings is not None
-    gap = problem.undeformed_gap
-    return FrettingState(
-        coefficient=fretting.coefficient,
-        wear=0.0 if scene.wear is None else scene.wear.coefficient,
-        response=fretting.response(scene, problem.grid, paddings, scene.datum(problem.grid)),
-        history=fretting.history,
-        by_force=fretting.forces is not None,
-        period=inf if fretting.period is None else fretting.period,
-        least_eigenvalue=least_eigenvalue(scene.contact_modulus, min(problem.grid.cell_size)),
-        gap_scale=problem.scales.gap,
-        compliances_proportional=has_proportional_compliances(scene.solids, gap, paddings),
-        creep=_relative_creep(scene, scene.datum(problem.grid)),
-        grid=problem.grid,
-        loaded_length=scene.loaded_length(problem.grid, paddings),
-        tolerance=options.tolerance,
-        max_applications=options.max_iterations,
-    )
-
-
-def _relative_creep(scene: Scene, datum: float) -> CreepState | None:
-    """Return the creep of both bodies, which are elastically similar, over their instantaneous compliance.
-
-    It is a factor on the elastic response; None if neither creeps.
-    """
-    total = sum(body.compliance for body in scene.solids)
-    of_bodies = [body.creep.scaled(1 / total) for body in creeping(scene.solids)]
-    if not of_bodies:
-        return None
-    terms = tuple(term for creep in of_bodies for term in creep.terms)
-    fluidity = sum(creep.fluidity for creep in of_bodies)
-    return CreepState(Creep(1.0, terms, fluidity), BoussinesqCoefficients(datum))
 
 
 def _load(scene: Scene, times: ArrayLike) -> ChangingLoad:

@@ -31,7 +31,7 @@ from contactstudy.domain.grid import Array, Grid, Padding, Paddings, on_cells
 from contactstudy.evolution.evolve_lubricated import FilmTrajectory, film_trajectory
 from contactstudy.evolution.march import Breakpoint, Control, March, MarchState, Method, Record, ascending, schedule
 from contactstudy.evolution.steady_rolling import SteadyRolling, solve_rolling
-from contactstudy.evolution.trajectory import Frame, Trajectory, error_of_peak, frame_of
+from contactstudy.evolution.time_stepper import Frame, Trajectory, error_of_peak, frame_of
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.pseudo_time import FilmControls
 from contactstudy.lubrication.steady_film import solve_lubricated

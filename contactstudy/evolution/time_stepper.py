@@ -1,25 +1,35 @@
-"""One step in time of a dry contact: the problem that its state variables make of it, and their update.
+"""One step in time of a dry contact: the problem that its state variables make of it, their update, and its frames.
 
 A state variable is what a body or an interface keeps from one instant to the next: retarded pressures of creep, the
 depth of wear, the tangential traction of fretting, plastic strain. Each adds to the gap or to the operator of the
 contact at the end of a step, which is solved from the pressure before; the state at the end follows from both
 pressures. Plastic strain is coupled: it is solved for together with the pressure. Lengths of steps and their errors are
 in ``evolve``.
+
+An :class:`Instant` is what a step begins and ends with. A :class:`Frame` is a recorded contact, as a user sees it, with
+its errors; a :class:`Trajectory` is the sequence of frames.
 """
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial
-from math import inf, log2, sqrt
+from math import inf, log2, pi, sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contactstudy.domain.device import Cpu
-from contactstudy.domain.grid import Array, on_cells
+from contactstudy.domain.device import Cpu, Precision
+from contactstudy.domain.errors import ErrorEstimate
+from contactstudy.domain.grid import Array, Grid, Padding, Paddings, on_cells
 from contactstudy.elasticity.coating import WithWinklerLayer
-from contactstudy.elasticity.convolution import Coefficients, Convolution, superposed, weighted_sum
+from contactstudy.elasticity.convolution import (
+    BoussinesqCoefficients,
+    Coefficients,
+    Convolution,
+    superposed,
+    weighted_sum,
+)
 from contactstudy.elasticity.viscoelastic import Creep
 from contactstudy.evolution.march import STAGES, MarchState, Scheme
 from contactstudy.evolution.states.state_variables import (
@@ -30,15 +40,29 @@ from contactstudy.evolution.states.state_variables import (
     Step,
     WarmStartedContact,
     WearState,
+    least_eigenvalue,
     solved_or_unloaded,
     with_added_gap,
 )
+from contactstudy.evolution.steady_rolling import SteadyRolling
 from contactstudy.problem.constraint import PrescribedLoad
-from contactstudy.problem.problem import Problem, Scales
+from contactstudy.problem.problem import Field, Problem, Scales
+from contactstudy.scene.friction import Fretting, has_proportional_compliances
 from contactstudy.scene.loads import ChangingLoad
-from contactstudy.scene.shapes.shape import ShapesSource
+from contactstudy.scene.scene import PosedScene, Scene
+from contactstudy.scene.shapes.shape import ShapesSource, summed_gap
+from contactstudy.scene.solids.bodies import creeps, instantaneous, response, yields
+from contactstudy.scene.solids.inelastic import creeping, relaxed
 from contactstudy.solvers.coulomb import FullSliding
-from contactstudy.solvers.solution import AdhesiveTraction, Solution, Status, TangentialTraction, net_pressure, unloaded
+from contactstudy.solvers.solution import (
+    AdhesiveTraction,
+    Counts,
+    Solution,
+    Status,
+    TangentialTraction,
+    net_pressure,
+    unloaded,
+)
 from contactstudy.solvers.solve import SolveOptions
 
 if TYPE_CHECKING:  # imported only for scenes with a body that yields
@@ -91,6 +115,112 @@ class Instant(MarchState):
         """Return this instant with the contacts that led to the instant `before` too, and with those `replaced`."""
         contacts, replaced = before.contacts + self.contacts, replaced + before.replaced + self.replaced
         return replace(self, contacts=contacts, replaced=replaced)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Frame(Solution):
+    """A contact at one recorded instant: its :class:`~contactstudy.Solution`, and what it keeps from earlier instants.
+
+    Solves, iterations and convolutions are counted since the previous frame, and include rejected steps and the
+    integration with doubled steps. The status is the worst one of the contacts since the previous frame, without those
+    of rejected or halved steps and of replaced iterates; it is DETACHED where the last contact is. The displacement is
+    all by which the surfaces have moved: elastically, by creep, wear and yielding. Errors are relative L1 errors of the
+    pressure, infinite where there is no estimate; where bodies yield, relative to the pressure under the largest load.
+
+    Attributes
+    ----------
+    time
+        Time [s].
+    load
+        Load [N/m].
+    fields
+        Fields (x, y) of the state variables, such as the wear depth, by name.
+    solves
+        Number of contacts solved, of which a step may take several; contact and plastic strain together count as one.
+    errors_by_steps
+        Estimated time-discretisation errors by name: ``l1`` of the pressure, or of the tangential traction where that of
+        fretting is larger, the peak pressure, and further quantities of a contact that has worn while it rolls. An
+        error that is not named is 0.
+    coupled_state
+        State solved for together with the pressure, such as plastic strain, as arrays by name.
+    estimate
+        Estimated errors of a contact that keeps a state from earlier instants, with those by the steps; None for others,
+        whose errors are those of a contact at rest.
+    rolling
+        Rolling resistance and centroid of a steadily rolling contact; None for others.
+    """
+
+    time: float
+    load: float
+    fields: Mapping[str, Field] = field(default_factory=dict)
+    solves: int = 1
+    errors_by_steps: Mapping[str, float] = field(default_factory=dict)
+    coupled_state: Mapping[str, Array] = field(default_factory=dict)
+    estimate: ErrorEstimate | None = None
+    rolling: SteadyRolling | None = None
+
+
+def frame_of(solution: Solution, **further_fields: Any) -> Frame:
+    """Return `solution` as a frame, with `further_fields` of :class:`Frame`, or others in place of its own."""
+    values = {each.name: getattr(solution, each.name) for each in fields(Solution)}
+    return Frame(**values | further_fields)
+
+
+# Work of a dry scene in time, with its meaning in words.
+MEANING_OF_WORK = {
+    "solves": "contact solves",
+    "iterations": "solver iterations of all steps",
+    "convolutions": "FFT convolutions of the full grid",
+    "rejected": "rejected pairs of steps and load jumps",
+    "restarts": "restarts with shorter steps",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Frames of a dry scene that was followed through time.
+
+    Attributes
+    ----------
+    frames
+        The recorded instants, in the order of time.
+    work
+        Work of all steps by the names in `MEANING_OF_WORK`: a load jump that was repeated with more increments counts
+        as rejected, and a restart is one because the time-discretisation error grew beyond the allowed one.
+    description
+        The scene, grid and padding.
+    coupled
+        State variable that derives fields from the frames' coupled states; None if no body yields.
+    """
+
+    frames: tuple[Frame, ...]
+    work: Mapping[str, int]
+    description: PosedScene
+    coupled: "PlasticState | None" = None
+
+    @property
+    def times(self) -> Array:
+        """Time (time,) [s] of each frame."""
+        return np.array([frame.time for frame in self.frames])
+
+    @property
+    def counts(self) -> Counts:
+        """Number of instants, and of what the integration took."""
+        work = {name: (self.work.get(name, 0), meaning) for name, meaning in MEANING_OF_WORK.items()}
+        return {"instants": (len(self.frames), "instants recorded")} | work
+
+
+def error_of_peak(pressure: Array, errors: Array) -> float:
+    """Return the error [Pa] of the peak of a `pressure` (x, y) [Pa] whose cells have these `errors` [Pa], at least 0.
+
+    It is as far as the peak moves where each cell has its error: cells at the edge of a contact that wears have large
+    errors, and pressures far below the peak. As the error of a cell may vanish by chance, it is at least the relative
+    mean error times the peak, or the largest error where that is less.
+    """
+    peak, total = float(pressure.max()), float(pressure.sum())
+    moved = max(float((pressure + errors).max()) - peak, peak - float((pressure - errors).max()))
+    mean = float(errors.sum()) / total * peak if total else 0.0
+    return max(moved, min(mean, float(errors.max())))
 
 
 @dataclass(frozen=True, eq=False)
@@ -383,11 +513,11 @@ class TimeStepper:
         for contribution in contributions:
             if contribution.gap is not None:
                 gap = gap + contribution.gap
-            for coefficients, field in contribution.convolved.items():
-                convolved[coefficients] = convolved.get(coefficients, 0.0) + field
-        for coefficients, field in convolved.items():
-            if field.any():
-                gap = gap + self._unit_operators[coefficients](field)
+            for coefficients, pressure in contribution.convolved.items():
+                convolved[coefficients] = convolved.get(coefficients, 0.0) + pressure
+        for coefficients, pressure in convolved.items():
+            if pressure.any():
+                gap = gap + self._unit_operators[coefficients](pressure)
         return gap
 
     def _operator(
@@ -439,3 +569,93 @@ class TimeStepper:
             length, pressure = 1.0, ratio
         pressure = 2.0 ** round(log2(scales.pressure * pressure))
         return Scales(scales.length * length, pressure, scales.gap * ratio * compliance_ratio)
+
+
+def time_stepper(
+    scene: Scene,
+    grid: Grid,
+    padding: Padding | Paddings,
+    load: ChangingLoad,
+    duration: float,
+    scheme: Scheme,
+    options: SolveOptions,
+) -> TimeStepper:
+    """Return the time stepper of a `scene`: its contact under the largest `load` [N/m], and its state variables.
+
+    The other arguments are those of :func:`~contactstudy.evolution.evolve.evolve`, and the `duration` [s] of all steps.
+    """
+    solids = instantaneous(scene.solids)
+    frets = isinstance(scene.friction, Fretting)
+    friction = None if frets else scene.friction
+    elastic = replace(scene.under(load.largest), solids=solids, wear=None, friction=friction)
+    adhesive_solver = None
+    if scene.adhesion is not None and any(map(creeps, scene.solids)):
+        heights, softest = summed_gap(scene.shapes, grid), relaxed(scene.solids, duration)
+        adhesive_solver = scene.adhesion.solver_on(elastic, heights, grid, softest)
+    problem = elastic.problem(grid, padding, adhesive_solver)
+    datum = elastic.datum(grid)
+    variables: list[StateVariable] = [
+        # the coefficients lack the factor 1 / pi
+        CreepState(body.creep.scaled(1 / pi), BoussinesqCoefficients(datum))
+        for body in creeping(scene.solids)
+    ]
+    if scene.wear is not None and scene.wear.rate_per_pressure > 0:
+        variables.append(WearState(scene.wear.rate_per_pressure, scene.wear.body))
+    if frets:  # last: the time stepper and the errors take the last state for that of fretting
+        variables.append(_fretting_state(scene, problem, options))
+    coupled = None
+    if any(map(yields, scene.solids)):
+        from contactstudy.evolution.states.plastic import PlasticState, YieldingBody, check_paddings
+
+        check_paddings(problem)
+        elastic_contact = solved_or_unloaded(options, problem)
+        coupled = PlasticState(YieldingBody.in_scene(scene), elastic_contact, Precision(options.precision))
+    return TimeStepper(
+        problem=problem,
+        load=load,
+        loaded_length=scene.loaded_length(grid, padding),
+        weights=dict(response(solids, datum)),
+        state_variables=tuple(variables),
+        coupled=coupled,
+        scheme=scheme,
+        options=options,
+    )
+
+
+def _fretting_state(scene: Scene, problem: Problem, options: SolveOptions) -> FrettingState:
+    """Return the tangential traction of a scene that frets, as a state variable."""
+    fretting, paddings = scene.friction, problem.paddings
+    assert isinstance(fretting, Fretting)
+    assert fretting.history is not None
+    assert paddings is not None
+    gap = problem.undeformed_gap
+    return FrettingState(
+        coefficient=fretting.coefficient,
+        wear=0.0 if scene.wear is None else scene.wear.coefficient,
+        response=fretting.response(scene, problem.grid, paddings, scene.datum(problem.grid)),
+        history=fretting.history,
+        by_force=fretting.forces is not None,
+        period=inf if fretting.period is None else fretting.period,
+        least_eigenvalue=least_eigenvalue(scene.contact_modulus, min(problem.grid.cell_size)),
+        gap_scale=problem.scales.gap,
+        compliances_proportional=has_proportional_compliances(scene.solids, gap, paddings),
+        creep=_relative_creep(scene, scene.datum(problem.grid)),
+        grid=problem.grid,
+        loaded_length=scene.loaded_length(problem.grid, paddings),
+        tolerance=options.tolerance,
+        max_applications=options.max_iterations,
+    )
+
+
+def _relative_creep(scene: Scene, datum: float) -> CreepState | None:
+    """Return the creep of both bodies, which are elastically similar, over their instantaneous compliance.
+
+    It is a factor on the elastic response; None if neither creeps.
+    """
+    total = sum(body.compliance for body in scene.solids)
+    of_bodies = [body.creep.scaled(1 / total) for body in creeping(scene.solids)]
+    if not of_bodies:
+        return None
+    terms = tuple(term for creep in of_bodies for term in creep.terms)
+    fluidity = sum(creep.fluidity for creep in of_bodies)
+    return CreepState(Creep(1.0, terms, fluidity), BoussinesqCoefficients(datum))

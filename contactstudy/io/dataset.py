@@ -37,7 +37,7 @@ from contactstudy.solvers.solution import Solution
 
 if TYPE_CHECKING:
     from contactstudy.evolution.repeated_rolling import RepeatedRolling
-    from contactstudy.evolution.trajectory import Frame, Trajectory
+    from contactstudy.evolution.time_stepper import Frame, Trajectory
     from contactstudy.lubrication.lubricated_contact import FilmSolution
 
 # Attributes of the coordinates. The time is that of the histories of a scene and no date.

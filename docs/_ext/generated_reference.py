@@ -85,7 +85,7 @@ INNER = (
     "elasticity.tangential.GeneralConvolution",
     "elasticity.tangential.ShearResponse",
     "elasticity.viscoelastic.Creep",
-    "evolution.trajectory.Frame",
+    "evolution.time_stepper.Frame",
     "evolution.states.plastic.PlasticState",
     "io.scene_files.scene_schema.PlanSettings",
     "problem.problem.Derived",

@@ -27,7 +27,7 @@ from contactstudy.solvers.solution import Status
 
 if TYPE_CHECKING:
     from contactstudy.evolution.repeated_rolling import RepeatedRolling
-    from contactstudy.evolution.trajectory import Frame
+    from contactstudy.evolution.time_stepper import Frame
 
 NO_BOUND_OF_CELLS = "No bound: the errors of this load by cells and range are not estimated; those of a PullOff are."
 NO_BOUND_OF_DEPTH = "No bound: the error of the peak pressure, which wears the largest depth, has none."

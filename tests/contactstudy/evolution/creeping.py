@@ -8,7 +8,7 @@ import numpy as np
 import contactstudy as cs
 from contactstudy.domain.grid import Array
 from contactstudy.evolution.evolve import evolve
-from contactstudy.evolution.trajectory import Trajectory
+from contactstudy.evolution.time_stepper import Trajectory
 
 EXACT = cs.ExactPeriodicity()
 RIGID = cs.HalfSpace(inf, 0.3)

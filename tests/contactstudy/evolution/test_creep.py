@@ -6,7 +6,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.evolution.states.state_variables import retardation_weights
-from contactstudy.evolution.trajectory import Trajectory
+from contactstudy.evolution.time_stepper import Trajectory
 from tests.contactstudy.evolution.creeping import EXACT, LOAD, RIGID, SOLID, evolved, pressures, rolling_cylinder
 
 FLUID = cs.ViscoelasticHalfSpace(0.0, 0.0, ((1.0, 3.0),))

@@ -10,7 +10,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.answers.evolution import evolution_answer
-from contactstudy.evolution import trajectory as checkpoint
+from contactstudy.evolution import evolve as checkpoint
 from contactstudy.evolution.evolve import evolve
 from tests.contactstudy.evolution.creeping import (
     EXACT,

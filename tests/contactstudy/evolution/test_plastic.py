@@ -10,7 +10,7 @@ import contactstudy as cs
 from contactstudy.answers.evolution import evolution_answer
 from contactstudy.evolution.evolve import evolve
 from contactstudy.evolution.states import plastic
-from contactstudy.evolution.trajectory import Trajectory
+from contactstudy.evolution.time_stepper import Trajectory
 from contactstudy.solvers import plasticity
 from tests.contactstudy.evolution.creeping import EXACT, by_steps, evolved, pressures, relative
 

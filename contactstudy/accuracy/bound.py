@@ -113,51 +113,51 @@ def discretisation_bound(
     if inside.protrudes:
         return DiscretisationErrors.unbounded(PROTRUDING, no_load)
     adheres, load_is_fixed = solution.adhesion is not None, _load_is_fixed(solution)
+    at_end, at_hardness = end_error(solution), _at_hardness(solution)
     # where the grid chooses the range of an attraction, edges follow another law
-    peak, edges = (0.0, (0.0, 0.0)) if solution.regularised else shown_errors(solution)
-    l1, at_end, at_hardness = sum(edges), end_error(solution), _at_hardness(solution)
-    area = 0.0 if adheres else unseen_area_error(solution.pressure, wraps_of(problem), lawful_edges(solution))
-    load = LOAD_ERROR * max(0.0 if adheres else l1, inside.hidden_load)
-    changes = DiscretisationErrors(0.0, 0.0, 0.0)
+    shown_peak, shown_l1 = (0.0, (0.0, 0.0)) if solution.regularised else shown_errors(solution)
+    by_edges = sum(shown_l1)
     follows_law = (
         load_is_fixed
         and not at_hardness
         and _has_run_in_contact(pressure, MIN_CELLS_ACROSS)
-        and inside.hidden_load <= SMOOTH_RATIO * l1
+        and inside.hidden_load <= SMOOTH_RATIO * by_edges
         and (at_end > 0 or inside.corner_rise <= SHARP_RISE)
     )
+    changes = DiscretisationErrors(0.0, 0.0, 0.0, 0.0)
     if at_end or not follows_law:
         changes = error_by_change(solution, coarse)
     if changes.l1 == inf:
         return replace(changes, load=no_load)
-    if follows_law:  # in L1, also at an end
-        changes = replace(changes, l1=0.0)
+    # the pressure in L1: by its law alone where it follows that, also at an end
     hidden_error = HIDDEN_ERROR * inside.hidden_load * float(force.sum())
-    hidden_area = relative_loss(HIDDEN_AREA * inside.area_loss)
-    largest_l1 = MAX_L1 if load_is_fixed else inf
     of_net, peak_of_net = over_net(solution)
-    l1 = max(l1 * of_net, changes.l1, hidden_error / float(pressure.sum()) * of_net)
+    by_changes = 0.0 if follows_law else changes.l1
+    largest_l1 = MAX_L1 if load_is_fixed else inf
+    l1 = max(by_edges * of_net, by_changes, hidden_error / float(pressure.sum()) * of_net)
     l1 = min(largest_l1, l1) if _has_run_in_contact(pressure, 2) else largest_l1
-    reason = "" if at_hardness else _no_peak(solution, inside)
-    if at_hardness:  # the peak pressure is the hardness
-        peak = changes.peak_pressure
-    elif reason:
-        peak = inf
-    else:
-        peak = max(changes.peak_pressure, max(peak, inside.peak_rise) * peak_of_net) + _peak_by_shear(solution)
+    # the peak pressure, which may be the hardness
+    no_peak = "" if at_hardness else _no_peak(solution, inside)
+    peak = inf if no_peak else changes.peak_pressure
+    if not at_hardness:
+        peak = max(peak, max(shown_peak, inside.peak_rise) * peak_of_net) + _peak_by_shear(solution)
+    # the load, where it is a result
+    load = None
     if load_is_result:
-        assert changes.load is not None
-        load = max(load, changes.load) if l1 < inf else inf
+        by_law = LOAD_ERROR * max(0.0 if adheres else by_edges, inside.hidden_load)
+        load = inf if l1 == inf else max(by_law, changes.load or 0.0)
         if adheres:
             net = abs(float(solution.net_pressure.sum()))
-            load = max(load, hidden_error / net) if net else inf
-        else:  # the level of the pressure beside its shape, which its edges show
+            load = max(load, hidden_error / net if net else inf)
+        else:  # the level of the pressure, beside its shape that the edges show
             l1, peak = l1 + load, peak + load
-    area = max(area, hidden_area, changes.contact_area if adheres else 0.0)
+    # the contact area
+    unseen = 0.0 if adheres else unseen_area_error(solution.pressure, wraps_of(problem), lawful_edges(solution))
+    area = max(unseen, relative_loss(HIDDEN_AREA * inside.area_loss), changes.contact_area if adheres else 0.0)
     if not adheres and not _has_run_in_contact(solution.pressure, 2):
         area = inf
-    reasons = tuple(filter(None, (reason, NO_AREA if area == inf else "")))
-    return DiscretisationErrors(l1, peak, area, load if load_is_result else None, reasons)
+    reasons = tuple(filter(None, (no_peak, NO_AREA if area == inf else "")))
+    return DiscretisationErrors(l1, peak, area, load, reasons)
 
 
 def lawful_edges(solution: Solution) -> StraightEdges | None:

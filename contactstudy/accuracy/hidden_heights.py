@@ -14,7 +14,7 @@ from math import log, pi
 
 import numpy as np
 
-from contactstudy.accuracy.coarser import around_contact, with_ends
+from contactstudy.accuracy.coarser import around_contact, with_ends, wraps_of
 from contactstudy.domain.grid import BLOCK_CELLS, Array, Grid, axis_first, on_cells
 from contactstudy.domain.validation import InvalidInput
 from contactstudy.elasticity.convolution import Convolution
@@ -149,10 +149,9 @@ class HiddenHeights:
         """
         from scipy.ndimage import maximum_filter  # imported late, since it is slow
 
-        assert problem.paddings is not None
         rows = around_contact(pressure)
         loaded = pressure[rows]
-        modes = tuple("wrap" if padding.wraps else "nearest" for padding in problem.paddings)
+        modes = tuple("wrap" if wraps else "nearest" for wraps in wraps_of(problem))
         beside = maximum_filter(loaded, 3, mode=modes)
         near, touching, peak = beside > 0, loaded > 0, float(loaded.max())
         pairs = zip(_moduli(problem), self.moduli, strict=True)
@@ -180,9 +179,8 @@ def _on_lines(problem: Problem, axis: int, points: int) -> list[Array] | None:
     an axis along which it does not vary. The answer is None where the heights do not vary along `axis`. Where a bend
     may be that of a corner, all lines are examined again at more points.
     """
-    source, grid, paddings = problem.source, problem.grid, problem.paddings
+    source, grid, wraps = problem.source, problem.grid, wraps_of(problem)[axis]
     assert source is not None
-    assert paddings is not None
     cells = list(grid.cells)
     cells[1 - axis] = min(cells[1 - axis], max(LEAST_LINES, cells[1 - axis] // LINES_PER_EXAMINED))
     finer = (points * cells[0], cells[1]) if axis == 0 else (cells[0], points * cells[1])
@@ -199,8 +197,8 @@ def _on_lines(problem: Problem, axis: int, points: int) -> list[Array] | None:
     together = max(1, BLOCK_CELLS // len(inside))
     for begin in range(0, width, together):
         lines = slice(begin, begin + together)
-        bends = _slope_changes(inside[:, lines], grid.cell_size[axis] / points, wraps=paddings[axis].wraps)
-        shown = _shown(centres[:, lines], inside[:, lines], wraps=paddings[axis].wraps)
+        bends = _slope_changes(inside[:, lines], grid.cell_size[axis] / points, wraps=wraps)
+        shown = _shown(centres[:, lines], inside[:, lines], wraps=wraps)
         examined.append((*shown, _corners(bends, points)))
     on_lines = [np.concatenate(fields, axis=1) for fields in zip(*examined, strict=True)]
     if points < POINTS_AT_CORNERS and on_lines[2].any():
@@ -269,13 +267,12 @@ def _off_lines(problem: Problem) -> tuple[Array, Array, Array]:
 
     source, grid = problem.source, problem.grid
     assert source is not None
-    assert problem.paddings is not None
     heights = getattr(source, "gap_without_scales", source.gap)
     missed, squares, lowest = (np.zeros(grid.cells), np.zeros(grid.cells), np.full(grid.cells, np.inf))
     if heights(grid).shape[1] == 1:  # the lines across have examined it
         return missed, missed, missed
     centres = np.broadcast_to(heights(grid), grid.cells)
-    across, along = (padding.wraps for padding in problem.paddings)
+    across, along = wraps_of(problem)
     beside = _extended(centres, wraps=across)
     for number in range(POINTS_OFF_LINES):
         shift = (0.5 + number * STEPS[0]) % 1 - 0.5, (0.5 + number * STEPS[1]) % 1 - 0.5

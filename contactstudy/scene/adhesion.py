@@ -111,9 +111,15 @@ class Adhesion:
     def solver_on(
         self, scene: SceneContext, gap: Array, grid: Grid, relaxed: tuple[Body, Body] | None = None
     ) -> AdhesiveSolver:
-        """Return the solver of this scene on a grid with an undeformed `gap` (x, y) [m].
+        """Return the solver of the attraction in a `scene` on a grid with an undeformed `gap` (x, y) [m].
 
-        Zone and Tabor parameter are by the `relaxed` bodies where given: then the zone is the shortest.
+        Where bodies creep, `relaxed` are both bodies in the end: then their cohesive zone is the shortest, which the
+        grid must resolve, and by which the Tabor parameter is found.
+
+        Raises
+        ------
+        InvalidInput
+            If the cohesive zone has fewer than `MIN_ZONE_CELLS` cells.
         """
         solids = relaxed or scene.solids
         varies = bool((gap != gap[:, :1]).any())
@@ -132,7 +138,7 @@ class Adhesion:
                 f"{readable(zone / MIN_ZONE_CELLS)}, or leave the range out for the limit of short ranges on this grid."
             )
         tabor, radius = None, scene.radius
-        if radius is None:
+        if radius is None:  # a sphere in a point contact, whose shapes have no radius of a line contact
             radius = min((shape.radius for shape in scene.shapes if isinstance(shape, Sphere)), default=None)
         if radius is not None:
             tabor = tabor_length(radius, self.work, modulus) * law.strength / self.work

@@ -228,11 +228,10 @@ def named_by(scene: Any) -> frozenset[str]:
 def changing_field(scene: Any) -> str | None:
     """Return the first field of a scene that changes in time by itself, such as a body that creeps; None without one.
 
-    In steady :class:`~contactstudy.Rolling` the contact with such a body is steady all the same.
+    A body that creeps does not change in time where it rolls, or passes through a film, since it has crept there.
     """
     film = scene.lubrication
-    # what rolls or passes through a film steadily has crept
-    has_crept = film is not None or (scene.rolling is None and scene.rolls)
+    has_crept = film is not None or scene.rolls
     changing = {
         "Scene.load": isinstance(scene.load, loads.ChangingLoad),
         "Scene.wear": scene.wear is not None,

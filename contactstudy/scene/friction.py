@@ -282,6 +282,7 @@ class Fretting:
         For other values; in a scene with elastically dissimilar bodies, with one that yields, or that roll.
     """
 
+    #: A part of the contact may stick.
     sticks: ClassVar[bool] = True
 
     coefficient: FrictionCoefficient
@@ -397,6 +398,7 @@ class PartialSlip:
         For other values; in a scene with elastically dissimilar bodies, a change in time, or rolling.
     """
 
+    #: A part of the contact may stick.
     sticks: ClassVar[bool] = True
 
     coefficient: FrictionCoefficient

@@ -139,7 +139,9 @@ class TractiveRolling:
         fast to roll steadily, or spin of an endless contact.
     """
 
+    #: Friction transmits a traction while the contact rolls steadily.
     is_steady: ClassVar[bool] = True
+    #: A part of the contact may stick.
     sticks: ClassVar[bool] = True
 
     coefficient: friction.FrictionCoefficient

@@ -323,6 +323,7 @@ def modulus_at_own_width(width: Callable[[float], float], solids: tuple[Body, ..
     def excess(log_width: float) -> float:
         return log_width - math.log(width(modulus(log_width)))
 
+    # bracket the logarithm of the width
     low = high = math.log(width(at_surface))
     while excess(low) > 0:
         low -= 1

@@ -44,8 +44,6 @@ ONE_PADDING = (
     "padding is that along the length alone, and leaves the surface free across, as if it ended there: leave it out, or "
     'give padding_across = "ExactPeriodicity" too.'
 )
-# Fields of a :class:`SceneFile` that hold tables of a file beside its scene, by the names of the tables.
-SETTINGS = {"plan": "plan_settings", "solve": "options", "time_steps": "time_steps"}
 # A key and a number with a unit that is not in quotes.
 BARE_UNIT = re.compile(r"\s*([\w.]+)\s*=\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?\s*[^\W\d][^#\"']*|[\d.]+\s*%)\s*(?:#.*)?")
 
@@ -140,10 +138,7 @@ def tables_of(path: Path) -> tuple[dict[str, Any], tuple[Mapping[str, object], .
     except (ValueError, RecursionError) as error:  # Python refuses numbers of thousands of digits by a ValueError
         quotes = _missing_quotes(text, str(error))
         raise InvalidInput(f"{path} is not valid TOML: {error}{quotes}.") from error
-    try:
-        return raw, _groups(raw.pop("vary", {}))
-    except InvalidInput as error:
-        raise InvalidInput(f"{path}: {error}") from error
+    return raw, _groups(path, raw.pop("vary", {}))
 
 
 def document_from(raw: Mapping[str, Any], source: str) -> SceneDocument:
@@ -182,7 +177,8 @@ def write_scene(described: Scene | SceneFile, path: str | PathLike[str]) -> None
     if isinstance(described, Scene):
         text = scene_text(described, scene_path=path)
     else:
-        settings = {name: getattr(described, of) for name, of in SETTINGS.items()} | {"vary": described.vary or None}
+        settings = {"plan": described.plan_settings, "solve": described.options, "time_steps": described.time_steps}
+        settings |= {"vary": described.vary or None}
         grid, padding = described.grid, described.padding
         text = scene_text(described.scene, grid=grid, padding=padding, settings=settings, scene_path=path)
     try:
@@ -223,14 +219,14 @@ def _missing_quotes(text: str, error: str) -> str:
     return f': a value with a unit is in quotes, write {bare[1]} = "{bare[2].strip()}"' if bare else ""
 
 
-def _groups(vary: object) -> tuple[Mapping[str, object], ...]:
-    """Return the varied fields in groups: one group for each field of a table, or for each table of a list."""
+def _groups(path: Path, vary: object) -> tuple[Mapping[str, object], ...]:
+    """Return the varied fields of a file in groups: one for each field of a table, or for each table of a list."""
     if isinstance(vary, Mapping):
         return tuple({field: values} for field, values in _paths(vary).items())
     if isinstance(vary, list) and all(isinstance(group, Mapping) and group for group in vary):
         return tuple(_paths(group) for group in vary)
     raise InvalidInput(
-        f"vary is {vary!r}: give a table of fields and their values, such as load.per_length = '50:400:8 N/mm'."
+        f"{path}: vary is {vary!r}: give a table of fields and their values, such as load.per_length = '50:400:8 N/mm'."
     )
 
 

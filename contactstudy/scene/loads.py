@@ -3,7 +3,7 @@
 from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from itertools import pairwise
-from math import asin, ceil, e, exp, floor, isclose, pi, sin, sqrt
+from math import asin, ceil, e, exp, isclose, pi, sin, sqrt
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -372,10 +372,8 @@ class SineLoad:
         """Duration of one cycle [s]."""
         return 1 / self.frequency
 
-    @property
-    def end(self) -> float:
-        """Time [s] after which the load only repeats, one cycle."""
-        return self.period
+    #: Time [s] after which the load only repeats, one cycle.
+    end = period
 
     def breaks(self, end: float) -> tuple[float, ...]:
         """Return the times [s] up to `end` at which the load starts, reaches zero or rises from it."""
@@ -391,14 +389,10 @@ class SineLoad:
 
     def _times_at(self, angles: tuple[float, ...], end: float) -> tuple[float, ...]:
         """Return 0 and the times [s] up to `end` at which the sine is at one of `angles` [rad] of a cycle."""
-        times = {0.0}
-        for angle in angles:
-            first = ceil((self.phase - angle) / (2 * pi))
-            last = floor((self._angle(end) - angle) / (2 * pi))
-            for cycle in range(first, last + 1):
-                time = (angle + 2 * pi * cycle - self.phase) / (2 * pi * self.frequency)
-                times.add(min(max(time, 0.0), end))  # rounding may leave the interval
-        return tuple(sorted(times))
+        cycles = np.arange(ceil(self.frequency * end) + 1)
+        first = (np.array(angles) - self.phase) % (2 * pi)  # from the angle at t = 0
+        times = (first[:, None] + 2 * pi * cycles) / (2 * pi * self.frequency)
+        return tuple(sorted({0.0, *times[times <= end].tolist()}))
 
     def before(self, time: float) -> float:
         """Return the load [N/m] just before `time` [s]; zero up to t = 0."""

@@ -186,13 +186,9 @@ UNITS = {
     "m": (1, 0, 0, 0), "s": (0, 0, 1, 0), "K": (0, 0, 0, 1), "rad": (0, 0, 0, 0), "Hz": (0, 0, -1, 0),
     "N": (1, 1, -2, 0), "Pa": (-1, 1, -2, 0), "J": (2, 1, -2, 0), "W": (2, 1, -3, 0),
 }  # fmt: skip
-# A power of ten, and powers of metre, kilogram, second and kelvin.
-Scale = tuple[int, tuple[int, ...]]
-# Scale of a number without unit.
-ONE: Scale = (0, (0, 0, 0, 0))
-# Scale of every prefix and unit together.
-KNOWN: dict[str, Scale] = {"": ONE, "1": ONE} | {
-    prefix + unit: (power, powers) for prefix, power in PREFIXES.items() for unit, powers in UNITS.items()
+# Powers of ten, metre, kilogram, second and kelvin of every prefix and unit together.
+KNOWN: Mapping[str, tuple[int, ...]] = {"": (0, 0, 0, 0, 0), "1": (0, 0, 0, 0, 0)} | {
+    prefix + unit: (power, *powers) for prefix, power in PREFIXES.items() for unit, powers in UNITS.items()
 }
 # A text of a number, the first group, and what stands behind it, the second.
 NUMBER = re.compile(r"\s*([-+]?(?:inf|(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?))\s*(.*?)\s*")
@@ -238,9 +234,9 @@ def in_si(field: str, text: str, unit: Unit) -> float:
     if not match[2] and match[1].endswith("inf"):  # infinite in any unit
         return float(match[1])
     source, target = decimal_unit(match[2]), decimal_unit(unit.symbol)
-    is_angular = unit.symbol == "Hz" and "rad" in match[2]
+    is_angular = unit.symbol == "Hz" and "rad" in match[2]  # rad/s, of which 2 pi are 1 Hz
     if source is not None and target is not None and not is_angular:
-        if source[1] == target[1]:
+        if source[1:] == target[1:]:
             with suppress(ArithmeticError):
                 return float(Decimal(match[1]).scaleb(source[0] - target[0]))
         raise refused
@@ -268,22 +264,22 @@ def parted(field: str, text: str) -> tuple[str, str, float | None]:
         For a text without a number, and for a tolerance that is not a number of at least 0.
     """
     first, *others = PLUS_MINUS.split(IN_BRACKETS.sub(r"\1 \2", text.strip()))
-    match, tolerances = NUMBER.fullmatch(first), [NUMBER.fullmatch(other) for other in others]
-    if match is None or len(others) > 1 or not all(one and 0 <= float(one[1]) < inf for one in tolerances):
+    match, tolerance = NUMBER.fullmatch(first), NUMBER.fullmatch(others[0] if others else "0")
+    if match is None or tolerance is None or len(others) > 1 or not 0 <= float(tolerance[1]) < inf:
         raise InvalidInput(
             f"{field} is {text!r}: give a number, and behind it one tolerance of at least 0, such as '10 mm +- 0.05 mm'."
         )
     number, unit = match.groups()
-    for one in filter(None, tolerances):
-        size, symbol = one.groups()
-        unit = unit or symbol.replace("%", "")
-        if symbol in ("", unit):
-            return number, unit, float(size)
-        if symbol == "%":
-            return number, unit, abs(float(number)) * float(size) / 100
-        tolerance = Unit(unit, "a tolerance in the unit of its number", f"{size} {unit}")
-        return number, unit, in_si(f"The tolerance of {field}", others[0], tolerance)
-    return number, unit, None
+    if not others:
+        return number, unit, None
+    size, symbol = tolerance.groups()
+    unit = unit or symbol.replace("%", "")
+    if symbol in ("", unit):
+        return number, unit, float(size)
+    if symbol == "%":
+        return number, unit, abs(float(number)) * float(size) / 100
+    of_number = Unit(unit, "a tolerance in the unit of its number", f"{size} {unit}")
+    return number, unit, in_si(f"The tolerance of {field}", others[0], of_number)
 
 
 def _usual(text: str) -> str:
@@ -327,22 +323,17 @@ def _registry() -> Any:
 
 
 @cache
-def decimal_unit(symbol: str) -> Scale | None:
-    """Return the power of ten of a unit such as ``N/mm``, and its powers of metre, kilogram, second and kelvin.
-
-    None for a unit that is not in the table.
-    """
+def decimal_unit(symbol: str) -> tuple[int, ...] | None:
+    """Return the powers of ten, metre, kilogram, second and kelvin of a unit such as ``N/mm``; None for other units."""
     factors = re.split(r"\s*([*/])\s*", symbol.replace("**", "^").replace("·", "*"))
-    total, totals = ONE
+    total = KNOWN[""]
     for sign, factor in zip(("*", *factors[1::2]), factors[::2], strict=True):
         name, _, exponent = factor.partition("^")
         if name.strip() not in KNOWN:
             return None
-        power, powers = KNOWN[name.strip()]
         times = int(exponent or 1) * (1 if sign == "*" else -1)
-        total += times * power
-        totals = tuple(before + times * unit_power for before, unit_power in zip(totals, powers, strict=True))
-    return total, totals
+        total = tuple(power + times * own for power, own in zip(total, KNOWN[name.strip()], strict=True))
+    return total
 
 
 Class = TypeVar("Class", bound=type)
@@ -414,11 +405,11 @@ def validated(cls: Class) -> Class:
             if name not in (names := parameters(made)):
                 raise UnknownField(f"{called(made)}.{name} is not known: {suggestion(name, names)}.")
         construct(self, *values, **named)
-        for one in fields(made):
-            value = getattr(self, one.name, None)
-            if one.init and not (value is None and one.default is None):
-                value = valid(f"{called(made)}.{one.name}", value, hint_of(made, one.name))
-                object.__setattr__(self, one.name, value)
+        for member in fields(made):
+            value = getattr(self, member.name, None)
+            if member.init and not (value is None and member.default is None):
+                value = valid(f"{called(made)}.{member.name}", value, hint_of(made, member.name))
+                object.__setattr__(self, member.name, value)
         getattr(self, "check_together", lambda: None)()
 
     made.__init__ = __init__

@@ -62,7 +62,7 @@ def test_a_decimal_unit_is_that_of_the_library_of_units() -> None:
     for symbol, written in product(sorted(KNOWN), ("{}", "1/{}", "N*{}^-2/mm", "{} / s")):
         text = written.format(symbol or "1")
         read = registry.Quantity(Decimal(7), text).to_base_units()
-        power, powers = decimal_unit(text)
+        power, *powers = decimal_unit(text)
         base = registry.Quantity(Decimal(7).scaleb(power), "")
         for unit, exponent in zip(("meter", "kilogram", "second", "kelvin"), powers, strict=True):
             base *= registry.Quantity(Decimal(1), unit) ** exponent

@@ -65,29 +65,6 @@ def layers(grid: Grid, length: float, depth: float) -> tuple[float, ...]:
     return (*edges, edges[-1] + thickness)
 
 
-def first_volume(grid: Grid, length: float, pressure: Array) -> Volume:
-    """Return the cells below a contact in which it may begin to yield.
-
-    They reach as deep as the contact is wide on either side of its middle, and no deeper than `length`, for the highest
-    stress of a contact lies within its half-width.
-
-    Parameters
-    ----------
-    grid
-        Grid of the surface.
-    length
-        Length scale of the contact [m], for which layers are made.
-    pressure
-        Elastic pressure (x, y) [Pa] under the largest load.
-    """
-    loaded = np.flatnonzero(pressure.any(axis=1))
-    first, last = (int(loaded[0]), int(loaded[-1]) + 1) if loaded.size else (0, grid.cells[0])
-    margin = int(np.ceil(MARGIN * (last - first))) + 1
-    depth = min(length, (last - first) * grid.cell_size[0] / 2)
-    edges = layers(grid, length, depth)
-    return Volume(grid, max(first - margin, 0), min(last + margin, grid.cells[0]), edges)
-
-
 def enlarged(volume: Volume, length: float, yielded: NDArray[np.bool_]) -> Volume:
     """Return `volume` with more margin on every side where plastic flow reaches its edge, within its grid.
 
@@ -107,12 +84,6 @@ def enlarged(volume: Volume, length: float, yielded: NDArray[np.bool_]) -> Volum
     if yielded[-1].any():
         edges = layers(volume.grid, length, (1 + GROWTH) * edges[-1])
     return Volume(volume.grid, first, last, edges)
-
-
-def union(first: Volume, second: Volume) -> Volume:
-    """Return the smallest volume that holds two of the same grid, whose layers are equal as far as both reach."""
-    edges = max(first.edges, second.edges, key=len)
-    return Volume(first.grid, min(first.first, second.first), max(first.last, second.last), edges)
 
 
 def embedded(field: Array, first: int, volume: Volume) -> Array:
@@ -199,9 +170,14 @@ class PlasticState:
     _wide_operators: dict[int, EigenstrainOperator] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
-        problem = self.elastic.problem
-        pressure = net_pressure(self.elastic.pressure, self.elastic.adhesion)
-        volume = first_volume(problem.grid, self._length, pressure)
+        # as deep as the contact is wide on either side of its middle, and no deeper than the length: the highest stress
+        # of a contact lies within its half-width
+        grid = self.elastic.problem.grid
+        loaded = np.flatnonzero(net_pressure(self.elastic.pressure, self.elastic.adhesion).any(axis=1))
+        first, last = (int(loaded[0]), int(loaded[-1]) + 1) if loaded.size else (0, grid.cells[0])
+        margin = int(np.ceil(MARGIN * (last - first))) + 1
+        edges = layers(grid, self._length, min(self._length, (last - first) * grid.cell_size[0] / 2))
+        volume = Volume(grid, max(first - margin, 0), min(last + margin, grid.cells[0]), edges)
         self.operators = [operator_on(volume, body.moduli) for body in self.bodies]
 
     def start(self, shape: tuple[int, int]) -> State:
@@ -440,8 +416,10 @@ class PlasticState:
         for number, body in enumerate(self.bodies):
             plastic, first = state[f"plastic{body.index}"], int(state[f"first{body.index}"][0])
             present = self.operators[number].volume
-            edges = tuple(float(z) for z in state[f"edges{body.index}"])
-            volume = union(present, Volume(present.grid, first, first + plastic.shape[-2], edges))
+            # the layers of both are equal as far as both reach
+            edges = max(present.edges, tuple(state[f"edges{body.index}"].tolist()), key=len)
+            last = max(present.last, first + plastic.shape[-2])
+            volume = Volume(present.grid, min(present.first, first), last, edges)
             if volume != present:
                 self.operators[number] = operator_on(volume, body.moduli)
             plastics.append(embedded(plastic, first, volume))

@@ -291,8 +291,6 @@ ERROR_OVER_DIFFERENCE = 4.0
 ERROR_OVER_DEVIATION = 3.0
 # Limit of the traction over its largest increment in a step, which it never reaches.
 UNLIMITED = 1e3
-# Components of the tangential traction.
-SHEARS = "shear_x", "shear_y"
 # Absolute sums below this are zero.
 TINY = 1e-300
 
@@ -361,12 +359,13 @@ class FrettingState:
 
     def start(self, shape: tuple[int, int]) -> State:
         """Return a state without traction, slip or wear on `shape` cells (x, y)."""
-        names = [*SHEARS, "stick", "slip_distance", "energy", "shear_error"]
+        names = ["stick", "slip_distance", "energy", "shear_error"]
         numbers = ["residual", "applications", "limit"]
         if self.wear:
             names += ["wear_depth", "slip_iterate"]
             numbers += ["slip_change"]
-        state = {name: np.zeros(shape) for name in names} | {name: np.zeros(1) for name in numbers}
+        state: dict[str, Array] = {"shear": np.zeros((2, *shape))}
+        state |= {name: np.zeros(shape) for name in names} | {name: np.zeros(1) for name in numbers}
         return state if self.creep is None else {**state, **self.creep.start((3, *shape))}
 
     def contribution(self, state: State, pressure: Array, step: Step) -> Contribution:
@@ -393,9 +392,7 @@ class FrettingState:
 
     def traction(self, state: State) -> TangentialTraction:
         """Return the tangential traction of a state."""
-        shear = np.stack([state[name] for name in SHEARS])
-        applications = int(state["applications"][0])
-        return TangentialTraction(shear, state["stick"] > 0, "fretting", applications)
+        return TangentialTraction(state["shear"], state["stick"] > 0, "fretting", int(state["applications"][0]))
 
     def update(self, state: State, before: Array, after: Array, step: Step) -> State:
         """Return traction, slip, energy and wear depth at the end of the step.
@@ -410,7 +407,7 @@ class FrettingState:
         if total is not None:
             force = float(total[0]) * self.grid.cell_area / self.grid.length
             transmission_status(force, self.coefficient * after, self.grid)
-        shear = np.stack([state[name] for name in SHEARS])
+        shear = state["shear"]
         carried, response = self._crept(state, np.stack([*shear, before]), step)
         reference, locking_error = self._locked(carried[:2], carried[2], after, slope)
         solved = slip_step(
@@ -428,8 +425,7 @@ class FrettingState:
         pressure_times_slip = (explicit * before + (1 - explicit) * after) * distance
         may_begin_to_slip = (state["stick"] > 0) | (before == 0)
         end = dict(state) | {
-            "shear_x": solved.shear[0],
-            "shear_y": solved.shear[1],
+            "shear": solved.shear,
             "stick": solved.stick.astype(np.float64),
             "slip_distance": state["slip_distance"] + distance,
             "energy": state["energy"] + self.coefficient * pressure_times_slip,
@@ -549,7 +545,7 @@ class FrettingState:
     def time_discretisation_error(self, state: State, other: State) -> float:
         """Return the L1 error of the traction that the difference of two states estimates, relative to the first."""
         size = self.size(state)
-        changed = sum(float(np.abs(state[name] - other[name]).sum()) for name in SHEARS)
+        changed = float(np.abs(state["shear"] - other["shear"]).sum())
         factor = ERROR_OVER_DIFFERENCE if self.wear or self.creep is not None else 1.0
         return factor * changed / size if size > TINY else 0.0
 
@@ -567,8 +563,7 @@ class FrettingState:
 
         It is at least the limit of the traction times the tolerance, below which the traction is rounding.
         """
-        size = sum(float(np.abs(state[name]).sum()) for name in SHEARS)
-        return max(size, self.tolerance * float(state["limit"][0]))
+        return max(float(np.abs(state["shear"]).sum()), self.tolerance * float(state["limit"][0]))
 
 
 def _slip_distance(solved: SlipStep, response: ShearResponse, reference: Array, before: Array, after: Array) -> Array:

@@ -1,19 +1,19 @@
 """Stress and surface displacement by plastic strain in plane strain, in a volume and uniform beyond either side of it.
 
 :class:`EigenstrainOperator` is what the solution of a yielding contact needs of a body below its surface: linear maps
-on the plastic strain in a :class:`Volume`. This module has them in plane strain, with one cell along the length; the
-module `periodic_operator` has those that vary along it. "Eigenstrain" is strain without stress (Mura 1987), such as
-plastic strain.
+on the plastic strain in a :class:`Volume`. This module has the maps in plane strain, for one cell along the length; the
+module `periodic_operator` has those of strain that varies along it. "Eigenstrain" is strain that a body would have
+without stress (Mura 1987), such as plastic strain.
 
-Closed forms give the stress by a cell of plastic strain, or by one under traction. The former are means over cells of
-derivatives of the Airy stress function of a half-space free of traction, ``G = [r^2 ln(r / R) + 2 z z'] / (8 pi)``,
-which solves ``nabla^4 G = delta`` with G = dG/dz = 0 at z = 0; r is the distance from the source at the depth z' and R
-that from its mirror source. Means over cells of the stress, and sums over cells of the strain, are differences over
-edges of integrals of G. One difference over x is the change, over a cell of stress, of the sum over all cells of
-strain to one side; two are the mean over a cell by another.
+The stress by a cell of plastic strain has a closed form, with derivatives of the Airy stress function of a half-space
+free of traction, ``G = [r^2 ln(r / R) + 2 z z'] / (8 pi)``. It solves ``nabla^4 G = delta`` with G = dG/dz = 0 at z = 0;
+r is the distance from the source at the depth z' and R that from its mirror source at -z'. The mean of the stress over
+cells of a layer, by strain in a half of a layer, x > 0, is a difference over the edges of cells of an integral of G. The
+mean by one cell is the difference of two such, and the mean by all cells beyond the volume is one. The stress by
+traction on the surface is found alike.
 
-In-plane components are xx, zz and ``sqrt(2) xz``, offsets and edges are in cells across. The stress xz is odd in x, the
-others are even.
+In-plane components are xx, zz and ``sqrt(2) xz`` in this order; the first two are even in x, the last is odd. Lengths in
+closed forms are in cells across.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -51,8 +51,8 @@ class Moduli:
 class Volume:
     """Box of cells below the surface that may yield, in layers.
 
-    It has the cells `first` to `last`, exclusive, of `grid` across and all of its cells along. `edges` [m] are the
-    depths between layers, at least 0, one more than layers.
+    It has the cells with the numbers `first` to `last`, exclusive, of the surface `grid` across, and all of its cells
+    along. `edges` [m] are the depths of the sides of layers, rising from 0 or more: one more than layers.
     """
 
     grid: Grid
@@ -94,9 +94,9 @@ class EigenstrainOperator(Protocol):
     across, y along, z into the body. Stress is positive in tension, pressure in compression; plastic strain has no
     unit.
 
-    Methods speak of three maps. S gives the stress under a pressure, its transpose the displacement by a strain. B
-    gives minus the residual stress by a strain: in the inner product
-    of cell volumes it is symmetric, with eigenvalues above 0 and below 2 G, twice the shear modulus.
+    Methods speak of three maps. S gives the stress under a pressure, its transpose S^T the displacement by a strain, and
+    B minus the residual stress by a strain: in the inner product of cell volumes B is symmetric, with eigenvalues above
+    0 and below 2 G, twice the shear modulus.
     """
 
     @property
@@ -109,9 +109,9 @@ class EigenstrainOperator(Protocol):
 
     @property
     def basis(self) -> Array:
-        """Basis of the components (C, 6) in terms of xx, yy, zz, yz, xz, xy.
+        """The tensor of each component (C, 6), as its entries xx, yy, zz, yz, xz, xy.
 
-        The squares of a tensor's entries, shear counted twice, add up to 1.
+        Of each tensor the squares of the nine entries, those of shear twice, add up to 1.
         """
 
     @property
@@ -143,23 +143,24 @@ class EigenstrainOperator(Protocol):
         """
 
 
-# Factors on in-plane components, and on those of PLANE_STRAIN_BASIS, when x changes its sign.
+# Factors on the in-plane components, and on those in PLANE_STRAIN_BASIS, when the direction of x is reversed.
 PARITIES = np.array([1.0, 1.0, -1.0])
-# The order m of the derivative of G by depth in the stresses xx, zz and sqrt(2) xz, and n in the strains; by x it is
-# 4 - m - n. With Airy's function phi, xx = d_z^2 phi, zz = d_x^2 phi and xz = -d_x d_z phi, and plastic strain e makes
-# nabla^4 phi = -E' (d_z^2 e_xx + d_x^2 e_zz - 2 d_x d_z e_xz), E' being E / (1 - nu^2); d_x' G = -d_x G.
+# The stress by a strain is a derivative of G: of the order m by the depth z of the stress, n by the depth z' of the strain
+# and 4 - m - n by x. These are m for the in-plane components of the stress, and n for those of the strain, since with
+# Airy's function phi, xx = d_z^2 phi, zz = d_x^2 phi and xz = -d_x d_z phi, plastic strain e makes
+# nabla^4 phi = -E' (d_z^2 e_xx + d_x^2 e_zz - 2 d_x d_z e_xz), E' being E / (1 - nu^2), and d_x' G = -d_x G.
 DEPTH_ORDERS = 2, 0, 1
-# The factors on these derivatives in minus the stresses, and in the strains.
+# The factors that go with them: those of minus the stress over E', and those of the strain.
 STRESS_FACTORS, STRAIN_FACTORS = np.array([1, 1, -(2**0.5)]), np.array([1, 1, 2**0.5])
 
 
 def strain_in_half_lines(count: int, edges: Array) -> Iterator[Array]:
-    """Yield minus the mean stress over E' in each layer by unit strain in half of a layer, x > 0, less a half.
+    """Yield minus the stress in each layer by unit strain in the half x > 0 of layers, over the plane-strain modulus.
 
-    E' is the plane-strain modulus, the `edges` are those of the layers. What is left out is half of the stress by strain
-    in all of the layer. The arrays (3, 3, layers, count + 1) are by the in-plane component of the stress, that of the
-    strain, the layer of the strain, and the cell of the stress, which begins at x = -1, 0 ... `count` - 1. Errors from
-    cancellation grow like the offset squared, to some 3e-9 of the largest mean by one cell at 1000 cells.
+    Half of the stress by strain in all of a layer is subtracted, so that the result is odd or even in x. Stress is the
+    mean over cells that begin at x = -1, 0 ... `count` - 1, in the layers between `edges`. The arrays (3, 3, layers,
+    count + 1) are by the in-plane component of the stress, that of the strain, the layer of the strain, and the cell.
+    Errors from cancellation grow like the distance squared, to some 3e-9 of the largest mean by one cell at 1000 cells.
     """
     x = np.arange(-1.0, count + 1)
     factors = np.multiply.outer(STRESS_FACTORS, STRAIN_FACTORS)[..., None, None]
@@ -172,8 +173,8 @@ def _integrals(x: Array, z: float, source: Array) -> Array:
     """Return ``d_z^(m-1) d_z'^(n-1) d_x^(2-m-n) G`` (3, 3, source, x) at offsets `x` and depth `z`.
 
     G is Airy's stress function, `source` the depths z' of its sources, and m and n are `DEPTH_ORDERS` of the first two
-    axes. As ``r^2 = R^2 - 4 z z'``, ``8 pi G = r^2 ln r - R^2 ln R + 4 z z' ln R + 2 z z'``. Polynomials that the
-    differences over cells remove are left out.
+    axes; a derivative of the order -1 is an integral. As ``r^2 = R^2 - 4 z z'``, ``8 pi G = r^2 ln r - R^2 ln R
+    + 4 z z' ln R + 2 z z'``. Polynomials that vanish in differences over x, z and z' are left out.
     """
     z_source = source[:, None]
     direct = _direct_terms(x, z - z_source)
@@ -193,7 +194,7 @@ def log_distance(squared: Array) -> Array:
 def _direct_terms(x: Array, z: Array) -> tuple[Array, ...]:
     """Return ``d_z^(k-2) d_x^(2-k) (r^2 ln r)`` for k = 0 ... 4, with r the distance from the origin to (x, z).
 
-    Polynomials that the differences over cells remove are left out.
+    A derivative of a negative order is an integral. Polynomials that vanish in differences over x, z and z' are left out.
     """
     squared = x * x + z * z
     log = log_distance(squared)
@@ -212,7 +213,8 @@ def _direct_terms(x: Array, z: Array) -> tuple[Array, ...]:
 def _product_terms(x: Array, z: float, source: Array) -> dict[tuple[int, int], Array]:
     """Return ``d_z^(m-1) d_z'^(n-1) d_x^(2-m-n) (z z' ln R)`` for m and n of 0, 1 and 2, with z' the depths of `source`.
 
-    R is the distance from the mirror source. Polynomials that the differences over cells remove are left out.
+    A derivative of the order -1 is an integral. R is the distance from the mirror source. Polynomials that vanish in
+    differences over x, z and z' are left out.
     """
     # ln R is the real part of ln w, and d/dx is i d/dw
     w = (z + source) + 1j * x
@@ -221,22 +223,23 @@ def _product_terms(x: Array, z: float, source: Array) -> dict[tuple[int, int], A
     log_integrals = log, w * (log - 1), w * w / 2 * (log - 1.5)
     derivatives = {}
     for m, n in np.ndindex(3, 3):
-        s, t = m - 1, n - 1  # orders in z and z', by Leibniz' rule, which holds for -1 too
-        rotation = 1j ** ((2 - m - n) % 4)
-        plain, once, twice = ((rotation * term).real for term in log_integrals)
-        derivatives[m, n] = z * source * plain + (s * source + t * z) * once + s * t * twice
+        # Leibniz' rule for the orders s and t of z and z', which holds for -1 too
+        s, t = m - 1, n - 1
+        by_x = 1j ** ((-s - t) % 4)
+        log_r, once, twice = ((by_x * integral).real for integral in log_integrals)
+        derivatives[m, n] = z * source * log_r + (s * source + t * z) * once + s * t * twice
     return derivatives
 
 
-# Function that returns the stress under a traction on x > 0, from the offsets x and the edges of the layers.
+# Function that returns the stress under a traction on x > 0, as `pressure_on_half_line` does.
 TractionKernel = Callable[[Array, Array], Array]
 
 
 def pressure_on_half_line(x: Array, edges: Array) -> Array:
-    """Return the in-plane stress (3, layers, cells) by unit pressure on x > 0, less half of that on all of the surface.
+    """Return the in-plane stress (3, layers, cells) under unit pressure on x > 0, less half of that under it everywhere.
 
-    It is the mean over the cells between neighbouring offsets `x`, in the layers between `edges`. Source: the integrals
-    of Johnson (1985), eqs. 2.23, over the cells.
+    It is the mean over the cells between neighbouring distances `x`, one after another, in the layers between `edges`.
+    Source: the integrals of Johnson (1985), eqs. 2.23, over the cells.
     """
     z, squared, log, angle = _polar(x, edges)
     xx, zz = z * z * log - x * z * angle, -x * (z * angle + x * log)
@@ -244,7 +247,7 @@ def pressure_on_half_line(x: Array, edges: Array) -> Array:
 
 
 def shear_on_half_line(x: Array, edges: Array) -> Array:
-    """Return the in-plane stress (3, layers, cells) by unit shear along x on x > 0, less a constant of each layer.
+    """Return the in-plane stress (3, layers, cells) under unit traction along x on x > 0, less a constant of each layer.
 
     Arguments and source are those of :func:`pressure_on_half_line`: zz and xz are xz and xx of a pressed line, and
     ``xx + zz = -2 x / (pi r^2)`` below a line of force.
@@ -257,14 +260,14 @@ def shear_on_half_line(x: Array, edges: Array) -> Array:
 
 
 def _polar(x: Array, edges: Array) -> tuple[Array, Array, Array, Array]:
-    """Return z, r^2, ln r and the angle from the z axis (edges, x)."""
+    """Return z, r^2, ln r and the angle from the z axis (edges, x) at distances `x`, in the depths `edges`."""
     z = edges[:, None]
     squared = x * x + z * z
     return z, squared, log_distance(squared), np.arctan2(x, z)
 
 
 def _means(edges: Array, xx: Array, zz: Array, xz: Array) -> Array:
-    """Return the in-plane means (3, layers, cells) of stresses that are integrated once more over x and over z."""
+    """Return the in-plane means (3, layers, cells) of stresses xx, zz and xz, given as integrals over x and z (edges, x)."""
     integrals = np.stack((xx, zz, 2**0.5 * xz))
     return np.diff(np.diff(integrals, axis=1), axis=2) / np.diff(edges)[:, None]
 
@@ -278,13 +281,13 @@ def padded_across(across: int) -> int:
 class LayerConvolution:
     """Convolution across of fields (component, layer, x), wave by wave with a real matrix between all layers.
 
-    Some components are odd in x, the others even; that the waves of odd ones are multiplied by -i makes the matrices
-    real. Transforms are padded so far that nothing wraps around.
+    The effect of one component on another is even in x, or odd where one of the two changes its sign with x: the waves of
+    such components are multiplied by -i, and all matrices are real. Transforms are padded so that nothing wraps around.
 
     Attributes
     ----------
     matrices
-        Matrices (waves, components layers, components layers) in the order of component, then layer.
+        Matrix (components layers, components layers) of each wave (waves, ...), in the order of component, then layer.
     diagonal_blocks
         Effect of each cell on itself (layers, components, components).
     phases
@@ -297,10 +300,10 @@ class LayerConvolution:
 
     @classmethod
     def from_means(cls, means: Iterable[Array], volume: Volume, parities: Array) -> "LayerConvolution":
-        """Return the convolution in `volume` with the effect of one cell on those in the same layers at x = 0, 1, 2 ...
+        """Return the convolution in `volume` with the effect of a cell on those 0, 1, 2 ... cells further along x.
 
-        `means` has an array for each layer of the result, by its component, the component and the layer of the source,
-        and x. `parities` are the factors on the components when x changes its sign.
+        `means` has it for each layer of the result: (component, component of the source, layer of the source, x).
+        `parities` are the factors on the components when the direction of x is reversed.
         """
         layers, across, _ = volume.shape
         padded, components = padded_across(across), len(parities)
@@ -328,7 +331,8 @@ class LayerConvolution:
         return np.asarray(fft.irfft(result / self.phases, padded, axis=-1)[..., :across])
 
 
-# (xx - zz) / sqrt(2), (2 yy - xx - zz) / sqrt(6) and sqrt(2) xz, in terms of xx, yy, zz, yz, xz, xy.
+# The tensors, as xx, yy, zz, yz, xz, xy, whose amounts in a deviator are (xx - zz) / sqrt(2), (2 yy - xx - zz) / sqrt(6)
+# and sqrt(2) xz.
 PLANE_STRAIN_BASIS = np.array(
     (
         (1 / 2**0.5, 0, -1 / 2**0.5, 0, 0, 0),
@@ -389,25 +393,28 @@ class PlaneStrainOperator:
     @cached_property
     def diagonal_blocks(self) -> Array:
         """Minus the residual stress of a cell by its own unit strain, by layer (layers, 3, 3) [Pa]."""
-        mixing = self._mixing
-        blocks: Array = np.einsum("ai,lab,bj->lij", mixing, self._convolution.diagonal_blocks, mixing)
+        to_in_plane = self._to_in_plane
+        blocks: Array = np.einsum("ai,lab,bj->lij", to_in_plane, self._convolution.diagonal_blocks, to_in_plane)
         blocks[:, 1, 1] += self.moduli.youngs_modulus * PLANE_STRAIN_BASIS[1, 1] ** 2
         return blocks
 
     @cached_property
-    def _mixing(self) -> Array:
-        """Matrix (3, 3) from components to the in-plane strains xx + nu yy, zz + nu yy, sqrt(2) xz."""
+    def _to_in_plane(self) -> Array:
+        """Matrix (3, 3) from deviatoric components to the in-plane strains xx + nu yy, zz + nu yy, sqrt(2) xz.
+
+        The total strain yy is zero, so that plastic strain yy acts in the plane as nu yy does along x and along z.
+        """
         nu = self.moduli.poisson_ratio
         xx, yy, zz, _, xz, _ = PLANE_STRAIN_BASIS.T
         return np.array((xx + nu * yy, zz + nu * yy, 2**0.5 * xz))
 
     def in_plane(self, strain: Array) -> Array:
         """Return the strains xx + nu yy, zz + nu yy, sqrt(2) xz (3, ...) of components (3, ...)."""
-        return np.asarray(np.einsum("ai,i...->a...", self._mixing, strain))
+        return np.asarray(np.einsum("ai,i...->a...", self._to_in_plane, strain))
 
     def deviator(self, stress: Array) -> Array:
-        """Return the deviatoric components (3, ...) of an in-plane `stress` (3, ...), with yy = nu (xx + zz)."""
-        return np.asarray(np.einsum("ai,a...->i...", self._mixing, stress))
+        """Return the deviatoric components (3, ...) [Pa] of an in-plane `stress` (3, ...) [Pa] and yy = nu (xx + zz)."""
+        return np.asarray(np.einsum("ai,a...->i...", self._to_in_plane, stress))
 
     def tensor(self, stress: Array, out_of_plane: Array | float) -> Array:
         """Return the stress tensor (6, ...) [Pa] of an in-plane `stress` (3, ...) [Pa].
@@ -415,9 +422,8 @@ class PlaneStrainOperator:
         `out_of_plane` is the second component of plastic strain in the same cells, which has all of its yy.
         """
         xx, zz, xz = stress
-        yy = (
-            self.moduli.poisson_ratio * (xx + zz) - self.moduli.youngs_modulus * PLANE_STRAIN_BASIS[1, 1] * out_of_plane
-        )
+        plastic_yy = PLANE_STRAIN_BASIS[1, 1] * out_of_plane
+        yy = self.moduli.poisson_ratio * (xx + zz) - self.moduli.youngs_modulus * plastic_yy
         zeros = np.zeros_like(xx)
         return np.stack((xx, yy, zz, zeros, xz / 2**0.5, zeros))
 

@@ -32,7 +32,7 @@ from contactstudy.domain.grid import Array
 from contactstudy.elasticity.eigenstrain.plane_strain_operator import PLANE_STRAIN_BASIS, Moduli, Volume
 
 Complex = NDArray[np.complex128]
-# The six fields nn, tt, zz, nz / i, nt, tz / i of a symmetric tensor.
+# The six fields nn, tt, zz, nz / i, nt, tz / i of a symmetric tensor, each (layers, ..., waves).
 Tensor = tuple[Array, ...]
 # The tensors of plane strain, then sqrt(2) xy and sqrt(2) yz, in terms of xx, yy, zz, yz, xz, xy.
 BASIS = np.vstack((PLANE_STRAIN_BASIS, np.eye(6)[[5, 3]] / 2**0.5))
@@ -46,19 +46,20 @@ DEEP = 3.0
 
 
 def means(ratio: Array) -> tuple[Array, Array]:
-    """Return the means of ``exp(-s)`` and ``s exp(-s)`` for s from 0 to `ratio`, without cancellation."""
-    small = np.maximum(ratio, 1e-300)
-    return -np.expm1(-small) / small, gammainc(2.0, small) / small
+    """Return the means of ``exp(-s)`` and ``s exp(-s)`` for s from 0 to `ratio`, without cancellation; 1 and 0 at 0."""
+    positive = np.maximum(ratio, 1e-300)
+    return -np.expm1(-positive) / positive, gammainc(2.0, positive) / positive
 
 
 @dataclass(frozen=True, eq=False)
 class Sources:
-    """Amplitudes of the Fourier modes of plastic strain in layers, each field (layers, ..., waves).
+    """Amplitudes [Pa] of the Fourier modes of plastic strain in layers.
 
     Where strain jumps from a layer to the one below, modes ``(a + b q z) exp(-q z)`` of Airy's stress function times
     q^2 and ``c exp(-q z)`` of the antiplane stress -nt decay downwards from there, and others upwards: these are linear
-    in the jump. `down` and `up` are their amplitudes (a, b, c) for each layer's own strain. `zz`, `tt` and `tz` are the
-    stress of a layer whose displacement does not change with depth; its other components are zero.
+    in the jump. `down` and `up` are their amplitudes a, b and c for each layer's own strain, (3, layers, ..., waves).
+    `zz`, `tt` and `tz` (layers, ..., waves) are the stress of a layer whose displacement does not change with depth; its
+    other components are zero.
     """
 
     down: Array
@@ -98,33 +99,34 @@ class CellLayer:
 
     @classmethod
     def from_ratio(cls, ratio: Array) -> "CellLayer":
-        """Return the layer with this `ratio` of its thickness to 1 / q, (waves,)."""
+        """Return the layer with a `ratio` of its thickness to 1 / q, (waves,)."""
         return cls(ratio, np.exp(-ratio), means(ratio))
 
     def attenuated(self, amplitudes: Array) -> Array:
-        """Return the `amplitudes` (a, b, c) of modes at the far side of the layer."""
+        """Return the amplitudes a, b, c (3, ...) at the far side of the layer of modes with `amplitudes`."""
         after = amplitudes * self.decay
         after[0] += self.ratio * after[1]
         return after
 
 
 def surface_correction(up: Array) -> Array:
-    """Return the amplitudes (a, b, c) of modes that decay downwards and free the surface of traction.
+    """Return the amplitudes a, b, c (3, ...) of modes that decay downwards and free the surface of traction.
 
-    `up` are the amplitudes at the surface of modes that decay upwards. The stresses zz, nz and tz of both together are
-    zero at z = 0.
+    `up` (3, ...) are the amplitudes at the surface of modes that decay upwards. The stresses zz, nz and tz of both
+    together are zero at z = 0.
     """
     return np.stack((-up[0], up[1] - 2 * up[0], up[2]))
 
 
 def layer_stresses(sources: Sources, top: Array, layers: Sequence[CellLayer], nu: float) -> Tensor:
-    """Return the means of the stress over each of the `layers` (layers, ..., waves) by plastic strain in all of them.
+    """Return the means of the stress over each of the `layers` by plastic strain in all of them, given by its `sources`.
 
     The layers are in order downwards, from the depth of `top` / q on. One sweep up and one down: the work grows with the
     number of layers, not with its square.
     """
     count = len(layers)
-    # at each interface the sources are those of the strain below less those of the strain above, which is zero outside
+    # amplitudes of modes that decay upwards at the lower side of each layer, and of those downwards at its upper side;
+    # at each side the sources are those of the strain below less those of the strain above, which is zero outside
     up, down = np.empty_like(sources.up), np.empty_like(sources.down)
     state = -sources.up[:, -1]
     for number in range(count - 1, -1, -1):
@@ -188,9 +190,9 @@ def stress_under_shear(top: Array, layer: CellLayer, nu: float, direction: tuple
 
 
 class Components(Enum):
-    """Set of stress components to compute; its value gives them in terms of xx, yy, zz, yz, xz, xy."""
+    """Set of components of stress to compute; its value are their rows in terms of xx, yy, zz, yz, xz, xy."""
 
-    #: The components of a deviator in `BASIS`; the shears of a tensor count twice.
+    #: The components of a deviator in `BASIS`: inner products, in which a shear stands for two entries of a tensor.
     DEVIATOR = tuple(map(tuple, BASIS * (1, 1, 1, 2, 2, 2)))
     TENSOR = tuple(map(tuple, np.eye(6)))
 
@@ -218,7 +220,7 @@ class WaveDirection:
     weight: Array
 
     def strain(self, e: Array) -> Tensor:
-        """Return the fields of a strain with the components `e` (5, ..., waves) in `BASIS`."""
+        """Return the fields of a strain with the components `e` (5, ..., waves), those odd in depth over i."""
         c, s = self.c, self.s
         xx, yy, zz, yz, xz, xy = np.tensordot(BASIS.T, e, 1)
         nn = c * c * xx + s * s * yy + (2 * c * s) * xy
@@ -257,7 +259,7 @@ class Waves:
     period: int
 
     def stress(self, strain: Complex, components: Components) -> Complex:
-        """Return the mean stress of cells (components, layers, period, orders) by `strain` (5, layers, ...)."""
+        """Return the mean stress [Pa] of cells (components, layers, period, orders) by `strain` (5, layers, ...)."""
         e = _real(strain)
         direction, edges = self._resolved, self.volume.edges
         sources = Sources.from_strain(direction.strain(e), self.moduli)
@@ -288,7 +290,7 @@ class Waves:
     def diagonal_blocks(self, fractions: Array) -> Array:
         """Return minus the residual stress of a cell by its own unit strain, by these waves alone, (layers, 5, 5) [Pa].
 
-        `fractions` (orders,) are the fractions of the waves in the strain of one cell.
+        `fractions` (orders,) are the amplitudes of the waves in the strain of one cell, which sum to the strain there.
         """
         fraction = np.tile(fractions, self.period)
         blocks = np.empty((self.volume.shape[0], 5, 5))

@@ -1,9 +1,9 @@
-"""Stress by plastic strain that varies along a period, on an infinite axis across the contact.
+"""Stress by plastic strain that varies along the length, a period, and is in a volume of cells across, an infinite axis.
 
-Its mean along the length is plane strain and antiplane shear. Antiplane shear, the stress xy and yz by plastic strain
-that does not vary along y, has closed forms: means over cells of the Green's function of the Laplacian with a free
-surface, ``N = (ln r + ln R) / (2 pi)``, where r is the distance from the source and R that from its mirror source above
-the surface.
+The mean along the length is plane strain and antiplane shear. Antiplane shear, the stress xy and yz by plastic strain
+that does not vary along y, has closed forms: means over cells of second derivatives of the Green's function of the
+Laplacian with a free surface, ``N = (ln r + ln R) / (2 pi)``, where r is the distance from the source and R that from its
+mirror source above the surface. The part that varies along the length is a sum of waves.
 """
 
 from collections.abc import Callable, Iterator
@@ -74,9 +74,10 @@ def _integrals(x: Array, z: Array) -> Array:
 
 
 # A wave with wave number k along the length decays across like exp(-k |x|). The period across is so long that its
-# repeated image has at most this fraction of it.
+# repeated image has at most this fraction of it, less than the tolerance of any contact.
 WRAP = 1e-8
-# Number of complex values of one component of a field up to which waves are transformed together.
+# Number of complex values of one component of a field up to which waves are transformed together: half a megabyte, which
+# stays in the cache of a core.
 TOGETHER = 2**15
 
 
@@ -158,7 +159,7 @@ class PeriodicOperator:
     ) -> Array:
         """Return the deviatoric stress (5, layers, x, y) [Pa] under the `values` (x, y) [Pa] of a traction.
 
-        The stress of its waves is multiplied by `factor`, and `of_mean` is the map from its mean along the length.
+        `traction` gives the stress by a wave of it over `factor`, and `of_mean` that by its mean along the length.
         """
         layers, across, ny = self.volume.shape
         waves = fft.rfft(values, axis=-1)

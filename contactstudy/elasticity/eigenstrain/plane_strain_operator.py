@@ -145,9 +145,9 @@ class EigenstrainOperator(Protocol):
 
 # Factors on the in-plane components, and on those in PLANE_STRAIN_BASIS, when the direction of x is reversed.
 PARITIES = np.array([1.0, 1.0, -1.0])
-# The stress by a strain is a derivative of G: of the order m by the depth z of the stress, n by the depth z' of the strain
-# and 4 - m - n by x. These are m for the in-plane components of the stress, and n for those of the strain, since with
-# Airy's function phi, xx = d_z^2 phi, zz = d_x^2 phi and xz = -d_x d_z phi, plastic strain e makes
+# The stress by a strain is a derivative of G: of the order m by the depth z of the stress, n by the depth z' of the
+# strain and 4 - m - n by x. These are m for the in-plane components of the stress, and n for those of the strain. For
+# with Airy's function phi, xx = d_z^2 phi, zz = d_x^2 phi and xz = -d_x d_z phi, plastic strain e makes
 # nabla^4 phi = -E' (d_z^2 e_xx + d_x^2 e_zz - 2 d_x d_z e_xz), E' being E / (1 - nu^2), and d_x' G = -d_x G.
 DEPTH_ORDERS = 2, 0, 1
 # The factors that go with them: those of minus the stress over E', and those of the strain.
@@ -194,7 +194,7 @@ def log_distance(squared: Array) -> Array:
 def _direct_terms(x: Array, z: Array) -> tuple[Array, ...]:
     """Return ``d_z^(k-2) d_x^(2-k) (r^2 ln r)`` for k = 0 ... 4, with r the distance from the origin to (x, z).
 
-    A derivative of a negative order is an integral. Polynomials that vanish in differences over x, z and z' are left out.
+    Derivatives of negative orders are integrals. Polynomials that vanish in differences over x, z and z' are left out.
     """
     squared = x * x + z * z
     log = log_distance(squared)
@@ -267,7 +267,7 @@ def _polar(x: Array, edges: Array) -> tuple[Array, Array, Array, Array]:
 
 
 def _means(edges: Array, xx: Array, zz: Array, xz: Array) -> Array:
-    """Return the in-plane means (3, layers, cells) of stresses xx, zz and xz, given as integrals over x and z (edges, x)."""
+    """Return the in-plane means (3, layers, cells) of xx, zz and xz, given as integrals over x and z (edges, x)."""
     integrals = np.stack((xx, zz, 2**0.5 * xz))
     return np.diff(np.diff(integrals, axis=1), axis=2) / np.diff(edges)[:, None]
 
@@ -281,7 +281,7 @@ def padded_across(across: int) -> int:
 class LayerConvolution:
     """Convolution across of fields (component, layer, x), wave by wave with a real matrix between all layers.
 
-    The effect of one component on another is even in x, or odd where one of the two changes its sign with x: the waves of
+    The effect of one component on another is even in x, or odd where one of the two changes its sign with x. Waves of
     such components are multiplied by -i, and all matrices are real. Transforms are padded so that nothing wraps around.
 
     Attributes

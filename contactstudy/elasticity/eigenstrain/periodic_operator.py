@@ -2,8 +2,8 @@
 
 The mean along the length is plane strain and antiplane shear. Antiplane shear, the stress xy and yz by plastic strain
 that does not vary along y, has closed forms: means over cells of second derivatives of the Green's function of the
-Laplacian with a free surface, ``N = (ln r + ln R) / (2 pi)``, where r is the distance from the source and R that from its
-mirror source above the surface. The part that varies along the length is a sum of waves.
+Laplacian with a free surface, ``N = (ln r + ln R) / (2 pi)``, where r is the distance from the source and R that from
+its mirror source above the surface. The part that varies along the length is a sum of waves.
 """
 
 from collections.abc import Callable, Iterator

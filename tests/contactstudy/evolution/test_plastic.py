@@ -143,7 +143,6 @@ def test_the_volume_grows_to_what_yields_and_an_integration_goes_on_in_it(
 
     generous = pressures(integrated())
     monkeypatch.setattr(plastic, "NEAR_YIELD", 2.0)
-    monkeypatch.setattr(plastic, "MARGIN", 0.0)
     tight = integrated()
     first, *_, last = (frame.coupled_state["plastic0"].shape for frame in tight.frames)
     assert first < last

@@ -32,9 +32,9 @@ from contactstudy.solvers.plasticity import (
 )
 from contactstudy.solvers.solution import CoupledSolution, Solution, Status, net_pressure
 
-# Before each step a volume grows until the stress of the contact, without further plastic flow, is below this fraction of
-# the yield stress at its edge. Since a step is repeated in a larger volume where yield reaches its edge, this changes the
-# time and not the accuracy: four contacts of 1 to 8 steps took up to 1.2 times as long with 0.8 and 1.8 times with 1.
+# Before each step a volume grows until the stress of the contact, without further plastic flow, is below this fraction
+# of the yield stress at its edge. Since a step is repeated in a larger volume where yield reaches its edge, this changes
+# the time and not the accuracy: four contacts of 1 to 8 steps took up to 1.2 times as long with 0.8, 1.8 times with 1.
 NEAR_YIELD = 0.9
 # Fraction of its width or depth by which a volume grows. These contacts took up to 1.2 times as long with half of it and
 # 1.4 times with twice.
@@ -115,7 +115,7 @@ ABRUPT = 4.0
 MAX_OUTER_ITERATIONS = 50
 # Statuses of a contact that stopped before its tolerance.
 STOPPED_EARLY = (Status.PRECISION_LIMIT, Status.STALLED, Status.ITERATION_LIMIT)
-# Attribute of stress in a data set: at the edge of the contact it has a logarithmic or stronger peak, finer than any cell.
+# Attribute of stress in a data set. At the edge of a contact it has a logarithmic or stronger peak, finer than any cell.
 NEAR_EDGE = {"comment": "at the surface near the edge of the contact it does not converge with finer cells"}
 
 

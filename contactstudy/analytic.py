@@ -1,4 +1,9 @@
-"""Reference solutions under their authors' names: closed forms, quadratures and fits."""
+"""Reference solutions under their authors' names: closed forms, quadratures and fits.
+
+Each is a contact of smooth elastic or viscoelastic bodies, or a film between such, in SI units; combined values are
+those of both bodies together: ``1/R = 1/R1 + 1/R2`` and ``1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2``. Stresses are
+tension positive, and z runs into the body.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,11 +17,13 @@ from numpy.typing import ArrayLike
 from contactstudy.domain.grid import Array
 from contactstudy.domain.validation import Limits, Metres, Newtons, NewtonsPerMetre, Pascals, Unit, valid, validated
 
-# Points in a panel of a quadrature over time, and panels to each end: they leave 1e-13 of the pressure for relaxation
-# times from 1e-4 of the time on. Halvings of a time.
-GAUSS, PANELS, BISECTIONS = 10, 16, 60
+# Number of Gauss points in a panel of Lee & Radok's integral over time, and of panels to each end of the time in
+# contact: they leave 1e-13 of the pressure for relaxation times from 1e-4 of the time on.
+GAUSS, PANELS = 10, 16
+# Number of bisections that find the time at which the contact reached a place, down to rounding.
+BISECTIONS = 60
 
-# Of two bodies together: combined values may exceed the limits of one body's.
+# Limits of combined values, which may exceed those of one body.
 POSITIVE = Limits("above 0", lambda x: 0 < x < inf)
 CombinedRadius = Annotated[Metres, POSITIVE]
 CombinedModulus = Annotated[Pascals, POSITIVE]
@@ -30,11 +37,11 @@ class HertzLine:
     Parameters
     ----------
     load_per_length
-        W [N/m].
+        Load W per length [N/m].
     radius
-        R [m], with 1/R = 1/R1 + 1/R2.
+        Combined radius R [m].
     contact_modulus
-        E* [Pa].
+        Contact modulus E* [Pa].
 
     Raises
     ------
@@ -74,10 +81,10 @@ class HertzLine:
         return np.asarray(scale * (rigid - t**2 + beyond))
 
     def stress(self, x: ArrayLike, depth: ArrayLike, friction: float = 0.0) -> Array:
-        """Return the stress xx, zz and xz (3, ...) [Pa] at `x` from the axis and `depth` [m], tension positive, z down.
+        """Return the stress xx, zz and xz (3, ...) [Pa] at `x` from the axis and at a `depth` [m], which broadcast.
 
         `friction` is the traction along +x on the body over the pressure, as in full sliding. Source: McEwen (1949), by
-        way of Johnson (1985), eqs. 4.49 and 7.7.
+        way of Johnson (1985), eqs. 4.49 and 7.7, whose m and n are those here.
         """
         x, z = np.broadcast_arrays(*(np.asarray(c, dtype=np.float64) for c in (x, depth)))
         x, z = x / self.half_width, z / self.half_width
@@ -105,9 +112,9 @@ def first_yield(
     Parameters
     ----------
     radius
-        R [m], with 1/R = 1/R1 + 1/R2.
+        Combined radius R [m].
     contact_modulus
-        E* [Pa].
+        Contact modulus E* [Pa].
     yield_stress
         Tensile stress [Pa] at which the half-space yields.
     poisson_ratio
@@ -151,9 +158,9 @@ class LeeRadok:
     Parameters
     ----------
     load_per_length
-        W [N/m].
+        Load W per length [N/m].
     radius
-        R [m].
+        Combined radius R [m].
     equilibrium
         Contact modulus after infinite time [Pa].
     relaxation
@@ -208,7 +215,7 @@ class LeeRadok:
 
 
 def _graded() -> tuple[Array, Array]:
-    """Return Gauss points and weights from 0 to 1, in panels that halve towards both ends."""
+    """Return the points and weights (n,) of a quadrature from 0 to 1, in panels that halve towards both ends."""
     halves = 0.5 ** np.arange(PANELS, 0, -1.0)
     edges = np.concatenate([[0.0], halves, 1 - halves[-2::-1], [1.0]])
     points, gauss = np.polynomial.legendre.leggauss(GAUSS)
@@ -223,11 +230,11 @@ class HertzPoint:
     Parameters
     ----------
     load
-        P [N].
+        Load P [N].
     radius
-        R [m].
+        Combined radius R [m].
     contact_modulus
-        E* [Pa].
+        Contact modulus E* [Pa].
 
     Raises
     ------
@@ -285,11 +292,11 @@ class HertzEllipse:
     Parameters
     ----------
     load
-        P [N].
+        Load P [N].
     curvature_across, curvature_along
         Sums of the curvatures of both bodies in the two principal planes [1/m].
     contact_modulus
-        E* [Pa].
+        Contact modulus E* [Pa].
 
     Raises
     ------
@@ -353,7 +360,7 @@ class Westergaard:
     wavelength
         Wavelength [m].
     contact_modulus
-        E* [Pa].
+        Contact modulus E* [Pa].
 
     Raises
     ------
@@ -452,8 +459,8 @@ def dowson_higginson_film(load_parameter: float, viscosity_parameter: float) -> 
     """Return the minimum film thickness of a lubricated line contact in the unit of :func:`moes_film`.
 
     ``h / R = 2.65 U^0.7 G^0.54 W^-0.13`` with U = eta0 u_m / (E' R), G = alpha E' and W = load / (E' R), for elastic
-    bodies in a piezoviscous lubricant. Source: Dowson (1968), Proc. Inst. Mech. Eng. 182 (3A), 151. Parameters are those
-    of :func:`moes_film`.
+    bodies in a piezoviscous lubricant. Source: Dowson (1968), Proc. Inst. Mech. Eng. 182 (3A), 151. Parameters are
+    those of :func:`moes_film`.
     """
     # u_m is half the sum of the speeds in Moes' unit, of which the powers of U cancel
     return float(2.65 / 2**0.7 * viscosity_parameter**0.54 * load_parameter**-0.13)

@@ -1,4 +1,8 @@
-"""Influence coefficients that a bonded layer adds, and an operator in series with a Winkler layer."""
+"""Layers on the surface: influence coefficients that a bonded layer adds, and a Winkler layer in series with bodies.
+
+A bonded layer deforms with its substrate as one elastic body (:class:`CoatingCoefficients`). Each cell of a Winkler
+layer yields to its own pressure alone (:class:`WithWinklerLayer`).
+"""
 
 from dataclasses import dataclass
 from math import log
@@ -15,12 +19,12 @@ from contactstudy.elasticity.kernels.layer_waves import WaveCoefficients, field_
 
 @dataclass(frozen=True, eq=False)
 class WithWinklerLayer:
-    """Linear map from pressure to displacement, ``K * pressure + compliance pressure``.
+    """Linear map from pressure (x, y) to displacement (x, y), ``K * pressure + compliance pressure``.
 
     Parameters
     ----------
     convolution
-        Displacement of the bodies, K.
+        Map from pressure to the displacement of the bodies, a convolution with their coefficients K.
     compliance
         Displacement of each cell over its own pressure (x, y) [m/Pa], at least 0.
     """
@@ -41,7 +45,7 @@ class WithWinklerLayer:
 
     @property
     def self_compliance(self) -> float:
-        """Displacement of the most compliant cell by its own unit pressure; that of the half-space above the mean."""
+        """Displacement [m/Pa] of the most compliant cell under unit pressure on it, less the mean of the bodies."""
         return self.convolution.self_compliance + float(self.compliance.max())
 
     @property
@@ -60,7 +64,7 @@ class WithWinklerLayer:
         return WithWinklerLayer(convolution, on_cells(self.compliance, convolution.cells))
 
     def approximate_inverse(self, precision: Precision | None = None) -> SpectralInverse | FreeEndsInverse:
-        """Return a preconditioner: that of a layer of the mean compliance."""
+        """Return the preconditioner of the operator with the mean compliance in all cells."""
         return weighted_sum([(1.0, self.convolution)], float(self.compliance.mean())).approximate_inverse(precision)
 
 
@@ -82,7 +86,10 @@ class CoatingCoefficients(WaveCoefficients):
     datum: float
 
     def strip(self, x: Array, dx: float) -> Array:
-        """Return the response to a strip of width `dx`, infinite along y, at offsets `x`."""
+        """Return the response (x,) to a strip of width `dx`, infinite along y, at offsets `x` (x,).
+
+        The logarithms and arctangents are the field of a line at two thicknesses, integrated over the strip.
+        """
         depth, total = 2 * self.thickness, super().strip(x, dx)
         if self.name == "x":
             coupling = self.waves.materials.contrasts[2]
@@ -102,7 +109,7 @@ class CoatingCoefficients(WaveCoefficients):
     def rigid_shift(self, line: float) -> float:
         """Return what the datum adds to the response to a row of images, each with the area `line` times the period.
 
-        The surface does not move at the datum under a load on a line. Fields without a logarithm have none.
+        The surface does not move at the datum under a load on a line. Fields that vanish far away have no datum: 0.
         """
         if self.name not in ("xx", "yy", "z"):
             return 0.0

@@ -3,9 +3,9 @@
 A body is taken for three half-spaces, whose stresses add up: one below the surface, one behind each face. The loads on
 them together leave the surface with its pressure and the faces without traction (Hetenyi 1970; Wang, Guo, Wong & Zhang
 2017). The load P on the surface is continued evenly about both faces, which leaves no shear on them, but a normal
-stress. A load q on the face that cancels it, mirrored about the surface, leaves the surface in place and a normal stress
-on it, for which P differs from the pressure p. Both stresses come from one operator S, since the geometry is the same
-seen from either plane: the normal stress on the other plane, tension positive, by a load that presses on one::
+stress. A load q on the face that cancels it, mirrored about the surface, leaves the surface in place and a normal
+stress on it, for which P differs from the pressure p. Both stresses come from one operator S, since the geometry is the
+same seen from either plane: the normal stress on the other plane, tension positive, by a load that presses on one::
 
     P = p + S q,   q = S P   so that   u = K P = K p + K (I - S S)^-1 S S p,
 
@@ -41,30 +41,35 @@ from contactstudy.elasticity.convolution import (
 from contactstudy.elasticity.kernels.stress import BOUSSINESQ, COMPONENTS, CellKernel
 from contactstudy.elasticity.transforms import ComplexField, transforms
 
-# Ratio of neighbouring distances in the table, every how many of which are used on a grid, and the first and last
-# distance, in units of 1 / k.
+# Ratio of neighbouring distances from the face in the table; on a grid every third of them is used, a ratio of 1.33,
+# between which values are interpolated by cubics in the logarithm of the distance.
 RATIO, STRIDE = 1.1, 3
+# First and last distance in the table, in units of 1 / k. The first is short enough for cells of 4e-6 widths of the
+# grid; at the last exp(-30) is left.
 NEAREST, FARTHEST = 1e-8, 30.0
-# First distance from the face on a grid, over the length of a cell.
+# First distance from the face on a grid, over the length of a cell. Nearer to the face values are those at this
+# distance.
 FIRST_NODE = 0.0625
-# Length and power p. What a load adds at its own face, it takes from the other face in the ratio ``exp(-(k L /
-# length)^p)``, in a body of the length L. So both faces together sink over the middle as finite elements of such bodies
-# under waves do, within 6 % for Poisson's ratio 0.3 and k L from 0.4 to 10, where two quarter-spaces sink 1 to 6 times
-# as much.
+# Length and power p of the coupling of both faces, fitted. What a load adds at its own face, it takes from the other
+# face in the ratio ``exp(-(k L / length)^p)``, in a body of the length L. So both faces together sink over the middle
+# as finite elements of such bodies under waves do, within 6 % for Poisson's ratio 0.3 and k L from 0.4 to 10, where two
+# quarter-spaces sink 1 to 6 times as much.
 COUPLING = 2.0, 1.15
-# Widths of the grid after which the response across repeats where it is summed from waves.
+# Where the response across is summed from waves, it repeats after 2 WIDTHS widths of the grid: its images then are at
+# least 15 widths away.
 WIDTHS = 8
 # Depth [body lengths] to which loads on a face are summed: with twice that, the stress under a ridge on bodies of 2 to
 # 40 half-widths changes by at most 3e-4 of the largest. Beyond the body length they are taken for constant.
 DEPTH = 4.0
-# Rows of waves that are multiplied at once.
+# Number of rows of waves that are multiplied at once: they stay in the processor's cache.
 ROWS = 8
 
 
 class FaceTable(NamedTuple):
-    """Contribution of a face under a line of unit load along a wave across (n, n), by the distances of point and line.
+    """What one face adds under a unit line load along x that varies as ``cos(k x)``: arrays (point, line) of distances.
 
-    Distances (n,) are in units of 1 / k. The point is on the surface, or on the face for `on_face`.
+    The `distances` (n,) of points and lines from the face are in units of 1 / k. Points are on the surface; those of
+    `on_face` are on the face, at these distances from the surface.
     """
 
     distances: Array
@@ -79,8 +84,9 @@ class FaceTable(NamedTuple):
 def face_table(poisson_ratio: float) -> FaceTable:
     """Return the table of a material, in which loads are constant between the geometric means of distances.
 
-    S is the transform across of Boussinesq's stress on the face, of a load and its mirror image. Its rows are depths of
-    the stress, its columns distances of the load from the face.
+    It solves the equations of the module's page for P and q. There the operator S is the transform across of
+    Boussinesq's stress on the face, of a load and its mirror image: rows for the depths of the stress, columns for the
+    distances of the load from the face.
     """
     from scipy.special import iti0k0, k0, k1  # imported late, since it is slow
 
@@ -121,15 +127,18 @@ def face_table(poisson_ratio: float) -> FaceTable:
 
 @dataclass(frozen=True, eq=False)
 class Faces:
-    """Contribution of two faces to the displacement of cells between them, or to their load.
+    """What two faces add to the displacement of the cells between them, or to the load, by the pressure on these cells.
+
+    Fields are known at m distances from each face, the nodes, and interpolated between them. Pressure is divided into a
+    part that is equal at both faces and one that is opposite, which do not couple.
 
     Attributes
     ----------
     weights
-        Value at each cell along y of a function that is 1 at one distance from the first face, 0 at others (ny, m).
+        Weights (ny, m) by which each cell along y has its value from those at the nodes of the first face.
     kernel
-        Displacement [m/Pa], or load, at these distances over the pressure at them, for each wave across and pressures
-        that are equal, then opposite, at both faces (px // 2 + 1, 2, m, m).
+        Displacement [m/Pa], or load, at nodes over the pressure at nodes, for each wave across and the equal, then the
+        opposite part (px // 2 + 1, 2, m, m).
     """
 
     weights: Array
@@ -137,7 +146,7 @@ class Faces:
 
     @cached_property
     def of_both(self) -> Array:
-        """Weights (ny, 2 m) of the equal and of the opposite parts at both faces."""
+        """Orthonormal weights (ny, 2 m) of the equal, then of the opposite parts at the nodes of both faces."""
         first, second = self.weights * 0.5**0.5, self.weights[::-1] * 0.5**0.5
         return np.concatenate([first + second, first - second], axis=1)
 
@@ -147,7 +156,7 @@ class Faces:
         return np.asarray(fft.irfft(waves, across, axis=0)[: len(pressure)] @ self.of_both.T)
 
     def parts(self, pressure: Array, across: int) -> ComplexField:
-        """Return the transform across (wave, 2, m) of the equal and of the opposite part, at the distances."""
+        """Return the transform across (wave, 2, m) of what is added, the equal and the opposite part, at the nodes."""
         waves = fft.rfft(pressure @ self.of_both, across, axis=0)
         count, m = len(waves), self.weights.shape[1]
         # the kernel is real: real and imaginary parts are two columns
@@ -183,9 +192,9 @@ class EndedConvolution(Convolution):
     ----------
     mirrored
         Transform (px, py // 2 + 1) [m/Pa] of the coefficients of the images mirrored about the faces, as a function of
-        the sum of the distances of load and point from the end of the grid.
+        the sum of the distances of load and point from the first end of the grid.
     faces
-        What the normal stress on the faces adds, of each length.
+        What the normal stress on the faces adds, one value for each body that ends.
     """
 
     mirrored: Array
@@ -233,12 +242,14 @@ class EndedConvolution(Convolution):
 
 
 def between_faces(response: Mapping[Coefficients, float], grid: Grid, paddings: Paddings) -> Convolution:
-    """Return the operator of bodies, some of which end along the length, wherever on `grid` or beyond.
+    """Return the operator from pressure to displacement of bodies, some of which end along the length.
+
+    Faces may be within `grid` or beyond its ends; the middle of each body is that of the grid.
 
     Parameters
     ----------
     response
-        Weight [1/Pa] of each kind of coefficients [m].
+        Weight [1/Pa] of the coefficients [m] of each body; those of a body that ends are ``FreeFaceCoefficients``.
     grid
         Cells and extent. Cells beyond a face carry no pressure, and their displacement has no meaning.
     paddings
@@ -261,7 +272,10 @@ def between_faces(response: Mapping[Coefficients, float], grid: Grid, paddings: 
 
 
 def _images(body: FreeFaceCoefficients, offset: float, grid: Grid, padded: tuple[int, int]) -> Array:
-    """Return the transform of the coefficients of loads an `offset` [m] along, with a period of two body lengths."""
+    """Return the transform (px, py // 2 + 1) of the coefficients of `body` with images of a period of two body lengths.
+
+    An `offset` [m] along y is added to the distance of load and point.
+    """
 
     def spectrum() -> Array:
         (nx, ny), (dx, dy) = grid.cells, grid.cell_size
@@ -272,11 +286,11 @@ def _images(body: FreeFaceCoefficients, offset: float, grid: Grid, padded: tuple
 
 
 def faces_on(body: FreeFaceCoefficients, grid: Grid, across: int, added: str = "displacement") -> Faces:
-    """Return what the faces of `body` add on `grid`, a field of :class:`FaceTable`; transforms have `across` points.
+    """Return what the faces of `body` add on `grid`, the field of :class:`FaceTable` that is named `added`.
 
-    At a distance x across, what they add is the cosine transform of the table over wave numbers, which are summed in
-    equal steps, and whose values lie between those of the table. Of waves longer than the body, a
-    load at one face also acts on the other, see `COUPLING`.
+    Transforms across have `across` points. At a distance x across, what the faces add is the cosine transform of the
+    table over wave numbers. These are summed in equal steps, and have their values by interpolation in the table. Under
+    waves longer than the body, a load at one face also acts on the other, see `COUPLING`.
     """
     to_face = (body.length - grid.length) / 2
     (nx, ny), (dx, dy) = grid.cells, grid.cell_size
@@ -331,18 +345,19 @@ def cardinal(index: Array, count: int) -> Array:
     return np.where(t < 1, near, np.where(t < 2, far, 0.0))
 
 
-# For each component of stress in the body, its name in the half-space of the first face, where the depth is y, not z,
-# and its sign by a load on the second face over that by the same load on the first.
+# For each component of stress in the body: its name in the half-space behind the first face, whose depth z is the
+# body's y; and the sign by which a load on the second face makes it, over that by the same load on the first face.
 ON_FACE = {
     "xx": ("xx", 1), "yy": ("zz", 1), "zz": ("yy", 1), "yz": ("yz", -1), "xz": ("xy", 1), "xy": ("xz", -1),
 }  # fmt: skip
-# Ratio of the sizes of neighbouring cells down a face, away from the depths where cells are finest.
+# Ratio of the sizes of neighbouring cells down a face, away from the surface and from the depth of the stress, where
+# cells are finest.
 GROWTH = 1.3
 
 
 @dataclass(frozen=True, eq=False)
 class StressByFaces:
-    """Loads on the surface and on the faces of `body` under a pressure on `grid`, and the stress by those on the faces.
+    """Loads on the surface and on the faces of `body` under a pressure on `grid`, and stress by the loads on the faces.
 
     The ends of `grid` along y are the faces. The load on the surface is the pressure and what the faces add to it, as
     if mirrored about both faces. The load on each face is mirrored about the surface. Loads on a face are known at
@@ -430,7 +445,7 @@ class StressByFaces:
         return np.array(edges)
 
     def _interpolation(self, distance: Array, count: int) -> Array:
-        """Return the weights (distances, count) of the nodes at some `distance` [m] from the surface."""
+        """Return the weights (n, count) of `count` nodes by which a load has its value at each `distance` (n,) [m]."""
         step = STRIDE * np.log(RATIO)
         index = np.log(np.maximum(distance / first_distance(self.body, self.grid), 1)) / step + 1
         return cardinal(np.minimum(index, count - 2), count)

@@ -1,4 +1,9 @@
-"""Operators from tangential traction to displacement: odd coefficients and two components."""
+"""Operators from tangential traction on the surface to displacement along the surface, and along the normal.
+
+Fields have two components, across (x) and along (y). Displacement along the surface comes from a symmetric operator of
+both, :class:`ShearResponse`. Displacement along the normal is odd along the traction; that of two bodies changes the
+gap where they are unlike (:func:`normal_displacement`). Without friction nothing here is used.
+"""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -16,7 +21,7 @@ from contactstudy.elasticity.convolution import (
 from contactstudy.elasticity.kernels.stress import SURFACE, SWAPPED, StressCoefficients
 from contactstudy.elasticity.transforms import TRANSFORMS, ComplexField
 
-# A sum of weights is zero where it is smaller than this fraction of their sizes: the difference is rounding.
+# A sum of signed weights is zero where it is smaller than this fraction of the sum of their sizes: it is rounding.
 WEIGHT_ROUNDING = 1e-14
 
 
@@ -30,7 +35,7 @@ class CerrutiCoefficients:
         Displacement by traction: along the surface "xx", "xy" or "yy" (``x^2 / r^3``, ``x y / r^3`` and ``y^2 / r^3``),
         or along the normal "x" or "y" (``x / r^2`` and ``y / r^2``), as in Johnson (1985), eqs. 3.75.
     datum
-        Distance [m] from which displacement of a row is counted, for "xx" and "yy", as in
+        Distance [m] across at which a load on a line does not move the surface, for "xx" and "yy", as in
         :class:`~contactstudy.elasticity.convolution.BoussinesqCoefficients`.
     """
 
@@ -39,7 +44,7 @@ class CerrutiCoefficients:
 
     @property
     def parity(self) -> tuple[int, int]:
-        """Parity along each axis, odd along an axis that the name has once."""
+        """Parity along each axis: -1, odd, along an axis that stands once in the name, else 1."""
         even_x, even_y = (-1 if self.name.count(axis) % 2 else 1 for axis in "xy")
         return even_x, even_y
 
@@ -95,8 +100,16 @@ class ShearResponse:
 
     It is symmetric and positive, unless a body creeps while it rolls.
 
-    Of half-spaces ``u_x = (c / pi) sum of [1 / r + n x^2 / r^3] q_x + n (x y / r^3) q_y``, c their compliance and ``n =
-    nu / (1 - nu)``. Source: Johnson (1985), eqs. 3.75a, b. Its convolutions are `xx`, `yy` and `xy`.
+    For one half-space ``u_x = (c / pi) sum of [1 / r + n x^2 / r^3] q_x + n (x y / r^3) q_y``, where q is the traction,
+    r the distance, ``c = (1 - nu^2) / E`` the compliance under pressure and ``n = nu / (1 - nu)``; u_y has x and y
+    exchanged. Source: Johnson (1985), eqs. 3.75a, b.
+
+    Parameters
+    ----------
+    xx, yy
+        Convolutions from the traction along an axis to the displacement along it [m/Pa].
+    xy
+        Convolution from the traction along either axis to the displacement along the other.
     """
 
     xx: GeneralConvolution
@@ -121,7 +134,7 @@ class ShearResponse:
 
     @property
     def largest(self) -> float:
-        """Upper bound of displacement over traction in the root mean square [m/Pa], of any wave or the mean."""
+        """Upper bound of displacement over traction in the root mean square [m/Pa], over all waves and the mean."""
         sums = np.maximum(np.abs(self.xx.spectrum), np.abs(self.yy.spectrum))
         return float((sums + np.abs(self.xy.spectrum)).max())
 
@@ -136,11 +149,11 @@ class ShearableBody(Protocol):
     """Body whose response to tangential traction is known."""
 
     def shear_compliance(self, datum: float) -> ShearCompliance:
-        """Return the compliance under tangential traction, with the `datum` [m] of the response to pressure."""
+        """Return the compliance under tangential traction; `datum` [m] is that of the response to pressure."""
 
 
 def half_space_shear_compliance(compliance: float, poisson_ratio: float, datum: float) -> ShearCompliance:
-    """Return the compliance under traction of a half-space, whose compliance under pressure is (1 - nu^2) / E [1/Pa]."""
+    """Return the compliance under traction of a half-space; its `compliance` under pressure is (1 - nu^2) / E [1/Pa]."""
     isotropic = compliance / np.pi
     by_poisson = isotropic * poisson_ratio / (1 - poisson_ratio)
     normal = compliance * (1 - 2 * poisson_ratio) / (2 * np.pi * (1 - poisson_ratio))
@@ -155,7 +168,10 @@ def half_space_shear_compliance(compliance: float, poisson_ratio: float, datum: 
 
 
 def shear_response(bodies: Iterable[ShearableBody], grid: Grid, paddings: Paddings, datum: float) -> ShearResponse:
-    """Return the displacement of `bodies` together under tangential traction."""
+    """Return the operator of the displacement of all `bodies` together under one tangential traction.
+
+    `paddings` are (across, along); `datum` [m] is the zero of displacement, see :class:`CerrutiCoefficients`.
+    """
     shears = [body.shear_compliance(datum) for body in bodies]
     weights = {name: summed_responses(1, *(shear[name] for shear in shears)) for name in ("xx", "yy", "xy")}
     return ShearResponse(*general_convolutions(weights.values(), grid, paddings))
@@ -164,9 +180,10 @@ def shear_response(bodies: Iterable[ShearableBody], grid: Grid, paddings: Paddin
 def normal_displacement(
     first: ShearableBody, second: ShearableBody, axes: str, grid: Grid, paddings: Paddings, datum: float
 ) -> list[GeneralConvolution]:
-    """Return the change of the gap by traction along each of the `axes`; none for elastically similar bodies.
+    """Return the convolution from traction along each of the `axes` to the change of the gap, or [] for similar bodies.
 
-    Bodies are similar where the weights of the first one's coefficients are those of the second one's.
+    `axes` is a text such as "x" or "xy"; the traction is that on the first body. Both bodies move alike under it where
+    their coefficients have the same weights: they are elastically similar.
     """
     first_shear, second_shear = first.shear_compliance(datum), second.shear_compliance(datum)
     weights = {axis: summed_responses(-1, first_shear[axis], second_shear[axis]) for axis in axes}

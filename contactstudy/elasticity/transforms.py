@@ -1,4 +1,8 @@
-"""Real Fourier transforms of a zero-padded field; rows of zeros are not transformed. On a GPU plans of cuFFT are kept.
+"""Real Fourier transforms of a zero-padded field (x, y); rows of zeros are not transformed. On a GPU cuFFT is called.
+
+A field (nx, ny) is padded with zeros to (px, py) points; its Fourier coefficients are (px, py // 2 + 1), since those of
+negative wave numbers along y are conjugate. :func:`transforms` returns the pair for the device in use: :class:`Ducc` by
+ducc0, :class:`CuFft` by cuFFT, or the plain :class:`Transforms` of the device's array library.
 
 ducc0 is used, and numpy where it is missing. One convolution in ms on one thread (AMD EPYC, medians): 512 x 512 cells
 padded to 1024 x 512: scipy 4.4, ducc0 3.2, FFTW (planned, measured) 3.8; padded to 1024 x 1024: 14.3, 7.9, 8.1; 1024 x
@@ -24,24 +28,22 @@ from contactstudy.domain.grid import Array, compiled_loops, device_loops, first_
 ComplexField = NDArray[np.complexfloating[Any, Any]]
 # Number of cells or points (x, y).
 Cells = tuple[int, int]
-# Array that a transform may overwrite, if there is one.
+# Array (px, py // 2 + 1) that a transform may overwrite, or None for a new one.
 Work = ComplexField | None
-
-
-# Transforms of fewer numbers run on one thread: waking others takes longer than it saves.
+# Transforms of fewer numbers, which take less than 0.3 ms, run on one thread: waking others takes longer than it saves.
 MIN_THREADED = 2**16
 
 
 class Transforms:
-    """Pair of transforms by the device's array library, or by another one.
+    """Pair of transforms by the device's array library; subclasses call other libraries.
 
-    They may overwrite `work`, an array for Fourier coefficients, where the library takes one.
+    A subclass may write Fourier coefficients into the given `work` array; this class makes new ones.
     """
 
     def forward(self, field: Array, padded: Cells, work: Work = None) -> ComplexField:
         """Return the Fourier coefficients (px, py // 2 + 1) of `field` (nx, ny), padded with zeros.
 
-        They are found along y on the rows of the field, then along x.
+        The field is transformed along y on its own rows, then along x.
         """
         library = _fft_library()
         waves: ComplexField = library.fft(library.rfft(field, n=padded[1], axis=1), n=padded[0], axis=0)
@@ -50,7 +52,7 @@ class Transforms:
     def backward(self, waves: ComplexField, cells: Cells, padded: Cells) -> Array:
         """Return the first (nx, ny) cells of the field with the Fourier coefficients `waves`, which may be overwritten.
 
-        They are found along x, then along y on the rows of the field.
+        The coefficients are transformed along x, then along y on the rows of the field alone.
         """
         library = _fft_library()
         rows = library.ifft(waves, axis=0)[: cells[0], :]
@@ -145,17 +147,21 @@ class Ducc(Transforms):
 
 
 def _c2r_is_slow(waves: ComplexField, along: int) -> bool:
-    """Return whether ducc0 (0.42) takes twice as long as scipy for this inverse transform, as in single precision."""
+    """Return whether ducc0 takes longer than scipy to transform `waves` to rows of `along` numbers.
+
+    With ducc0 0.42 it takes twice as long in single precision from 512 numbers on, and less in double precision.
+    """
     return waves.dtype == np.complex64 and along > 512
 
 
-# Plans that are kept, with their work areas: those of the grids of two solves.
+# Number of cuFFT's plans that are kept, with their work areas: those of all grids of two solves.
 MAX_PLANS = 48
+# cuFFT's directions of a transform.
 FORWARD, INVERSE = -1, 1
 
 
 class Kinds(NamedTuple):
-    """Names in cuFFT of the transforms of a precision, and its types of numbers."""
+    """Names in cuFFT of the transforms of one precision, such as "D2Z", and its types of numbers."""
 
     real_to_complex: str
     complex_to_complex: str
@@ -181,7 +187,10 @@ def cufft() -> Any:
 
 @lru_cache(MAX_PLANS)
 def _plan(kind: str, shape: tuple[int, ...], batch: int, *, by_row: bool) -> Any:
-    """Return the plan of a `batch` of transforms of fields of that `shape`, rows of an array or columns."""
+    """Return cuFFT's plan for a `batch` of transforms of a `kind` of fields of one `shape`.
+
+    The fields lie one after another (`by_row`), or are the columns of one array. `kind` is a name of :class:`Kinds`.
+    """
     library = cufft()
     waves = (*shape[:-1], shape[-1] // 2 + 1)
     into, out = (shape if numbers in "RD" else waves for numbers in (kind[0], kind[2]))
@@ -191,9 +200,10 @@ def _plan(kind: str, shape: tuple[int, ...], batch: int, *, by_row: bool) -> Any
 
 
 class CuFft(Transforms):
-    """Transforms without passes over rows of zeros; not normalised, so that factors are.
+    """Transforms by cuFFT, along y on the rows of the field alone, then along x in place, without passes over zeros.
 
-    They are taken along y on the rows of the field alone, then along x in place.
+    cuFFT does not normalise: the inverse is too large by the number of points, which :meth:`convolved` and
+    :meth:`filtered` divide the factors by.
     """
 
     def convolved(self, field: Array, factors: Array, padded: Cells, work: Work) -> Array:

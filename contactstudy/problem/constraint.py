@@ -1,4 +1,12 @@
-"""What surfaces may exert on each other: the limits of the pressure, and attraction by a cohesive law."""
+"""What surfaces may exert on each other: limits of the pressure, what closes the problem, and attraction.
+
+:class:`Constraint` has the limits of the pressure in each cell, and projects a pressure to them; :class:`Control` is
+the load, or the approach, that is prescribed; :class:`Gap` is what a solver finds under a pressure. A ``CohesiveLaw``
+is the attraction of two surfaces at a gap.
+
+Pressures and heights are fields (x, y) in any units, unless a unit is given. The active set is the cells at no limit of
+their pressure, in which the gap should be zero; it is a field that is 1 there and 0 elsewhere.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -47,7 +55,8 @@ class WorkAndRange:
 class Exponential(WorkAndRange):
     """Cohesive law ``sigma = w / rho exp(-g / rho)`` with the work of adhesion w [J/m^2] and the range rho [m].
 
-    It falls from zero gap on: the law of Xu & Needleman (1994), J. Mech. Phys. Solids 42, 1397, has a rising part first.
+    It falls from zero gap on: the law of Xu & Needleman (1994), J. Mech. Phys. Solids 42, 1397, has a rising part
+    first.
     """
 
     def traction(self, gap: Array) -> Array:
@@ -63,9 +72,10 @@ class Exponential(WorkAndRange):
         return self.work * np.exp(np.maximum(gap, 0) / -self.range)
 
 
-# Half the width of the fall of Dugdale's law over its range, and the least of it times the cells of the cohesive zone: a
-# sharper fall is trapped between two cells. On 24 cylinders with a ramp of 0.1 the contact was as if the work of
-# adhesion were off by up to 30 % on 3.5 cells in the zone, 17 % on 6 and 3 % on 14; with these by 2, 0.9 and 0.8 %.
+# Half the width of the fall of Dugdale's law over its range; and the smallest product of that and the number of cells
+# in the cohesive zone, below which the edge of the contact is trapped between two cells. On 24 cylinders with a ramp of
+# 0.1 the contact was as if the work of adhesion were off by up to 30 % on 3.5 cells in the zone, 17 % on 6 and 3 % on
+# 14; with these by 2, 0.9 and 0.8 %.
 RAMP, CELLS_ON_RAMP = 0.1, 3.0
 
 
@@ -109,20 +119,20 @@ class Dugdale(WorkAndRange):
         return self.work * (remaining - on_ramp + on_ramp**2 / (4 * self.ramp))
 
     def _remaining(self, gap: Array) -> Array:
-        """Return the distance to the gap without traction, over the range."""
+        """Return by how much a `gap` [m] is smaller than the smallest one without traction, over the range."""
         return np.asarray(1 + self.ramp - gap / self.range)
 
 
-# Attraction between two surfaces as a function of their gap, which it falls with.
+# Attraction between two surfaces as a function of their gap; it falls where the gap grows.
 CohesiveLaw = Exponential | Dugdale
 
 
 @dataclass(frozen=True, eq=False)
 class Gap:
-    """Gap between the bodies, in units of the gap scale.
+    """Gap between the bodies under a pressure, in units of the gap scale of the problem.
 
-    Under a given load the approach is such that the mean height over the active set, the cells at no limit of the
-    constraint, is zero; else it is the given one. The gap should be zero in these cells, not below zero in cells without
+    Under a given load the approach is such that the mean height over the active set is zero; else it is the given one.
+    The gap should be zero in these cells, not below zero in cells without
     pressure, and not above zero in cells at an upper limit.
 
     Parameters
@@ -154,7 +164,7 @@ def scaled_in_double(field: Array, factor: float) -> Array:
 
 
 def cell_violation(pressure: Array, height: Array, active: Array) -> Array:
-    """Return by how much cells (x, y) outside the `active` set violate their condition, which is at least 0.
+    """Return by how much cells (x, y) outside the `active` set violate their condition: a height, at least 0.
 
     Cells without pressure should not penetrate, and cells at the upper limit should have no open gap.
     """
@@ -207,11 +217,11 @@ def shift_to_load(
     load_above: Callable[[float], tuple[float, float]],
     epsilon: float,
 ) -> tuple[float, float]:
-    """Return the shift and the factor that make a pressure, cut off at zero, carry `load`.
+    """Return shift and factor with which ``max(p - shift, 0) factor`` of a pressure p at least 0 has the sum `load`.
 
-    The shift is the Lagrange multiplier of the load. The pressure has the sum `current_load` in a number of
-    `loaded_cells`; `load_above` returns both for a shift. The factor corrects what rounding leaves; it is 1 within 16
-    machine epsilons (`epsilon`).
+    The shift is the Lagrange multiplier of the load, by Newton's steps. The pressure has the sum `current_load`, at
+    least `load`, in a number of `loaded_cells`; `load_above` returns both for a shift. The factor corrects what
+    rounding leaves; it is 1 within 16 machine epsilons (`epsilon`).
     """
     shift, before = 0.0, -1.0
     while current_load > load and loaded_cells != before:
@@ -237,13 +247,13 @@ class Constraint:
     hardness: float = inf
 
     def scaled(self, factor: float) -> Self:
-        """Return the set of the pressures of this one times `factor`: the same set in another unit."""
+        """Return this constraint on pressures times `factor`: the same one in another unit."""
         return replace(self, hardness=float(self.hardness * factor))
 
     def in_unit(self, pressure: Array, unit: float) -> Array:
-        """Return ``pressure * unit``, a pressure of this set, from a `pressure` (x, y) given in multiples of `unit`.
+        """Return ``pressure * unit``, in the unit of this constraint, from a `pressure` (x, y) in multiples of `unit`.
 
-        Cells at the hardness of ``scaled(1 / unit)`` are at that of this set to the last bit. The given array may be
+        Cells at the hardness of ``scaled(1 / unit)`` are at the hardness to the last bit. The given array may be
         overwritten.
         """
         if self.hardness == inf:
@@ -260,9 +270,9 @@ class Constraint:
         return pressure >= self.hardness
 
     def active(self, pressure: Array) -> Array:
-        """Return 1 for cells (x, y) of the active set, and 0 for the others.
+        """Return 1 for cells (x, y) of the active set, and 0 for the others, as numbers of the type of the pressure.
 
-        These are numbers: on a rough contact, selecting by a mask costs ten times a product.
+        They are not booleans: on a rough contact, selecting by a mask costs ten times a product.
         """
         chosen = pressure > 0
         if self.hardness < inf:
@@ -270,9 +280,10 @@ class Constraint:
         return arrays().astype(chosen, pressure.dtype)
 
     def approach_without_active_cells(self, pressure: Array, height: Array) -> float:
-        """Return the smallest approach that leaves no gap open where all cells have yielded, of a gap of this `height`.
+        """Return the smallest approach that leaves no gap open where all cells have yielded.
 
-        It is nan without pressure: a load needs some cells in contact.
+        `height` (x, y) is that of the gap at no approach. The approach is nan without pressure, since a load needs some
+        cells in contact.
         """
         loaded = height[pressure > 0]
         return float(arrays().max(loaded)) if loaded.shape[0] else nan
@@ -290,7 +301,11 @@ class Constraint:
         return replace_blocks(trial, lambda block: xp.clip(block, 0.0, self.hardness))
 
     def scale_to_load(self, trial: Array, total: float | None) -> Array:
-        """Cut a `trial` pressure off at the limits and scale it to the sum `total`, if one is given, in place."""
+        """Cut a `trial` pressure off at the limits and scale it to the sum `total`, if one is given, in place.
+
+        Where the loaded cells cannot carry the sum at the hardness, the others carry the rest evenly, up to the
+        hardness.
+        """
         if total is None or self.hardness == inf:
             self.clip(trial)
             if total is not None:
@@ -323,9 +338,9 @@ class Constraint:
         return replace_blocks(trial, lambda block: xp.minimum(block * factor, self.hardness))
 
     def project(self, trial: Array, total: float | None) -> Array:
-        """Project a `trial` pressure in L2 onto this set, and to the sum `total` if one is given, in place.
+        """Replace a `trial` pressure by the nearest one in L2 within the limits, with the sum `total` if one is given.
 
-        A step against the gap that ends there is along a descent direction.
+        A step against the gap from a pressure to this one is along a descent direction of the energy.
         """
         return self.clip(trial) if total is None else project_capped_simplex(trial, total, self.hardness)
 
@@ -363,7 +378,10 @@ class Constraint:
         return trial
 
     def to_release(self, pressure: Array, height: Array) -> Array:
-        """Return 1 for cells that penetrate without pressure or are open at the hardness, and 0 for the others."""
+        """Return 1 for cells that should leave their limit, and 0 for the others, as numbers of the type of `height`.
+
+        These penetrate without pressure, or have an open gap at the hardness.
+        """
         released = (pressure == 0) & (height < 0)
         if self.hardness < inf:
             released |= (pressure >= self.hardness) & (height > 0)
@@ -387,16 +405,17 @@ class Constraint:
 
 
 class Control:
-    """What closes the problem: the `total` load over the area of a cell, the sum of the pressure, or the `approach`.
+    """What closes the problem: a prescribed `total` or `approach`, of which the other is None.
 
-    The other one is None.
+    `total` is the load over the area of a cell, which is the sum of the pressure over all cells. Subclasses are
+    :class:`PrescribedLoad` and :class:`PrescribedApproach`.
     """
 
     total: float | None
     approach: float | None
 
     def scaled(self, factor: float, cells: int = 1) -> "Control":
-        """Return this condition for pressures times `factor`, on blocks of that number of `cells`."""
+        """Return this condition for pressures times `factor`, on larger cells that are blocks of so many `cells`."""
         return self if self.total is None else PrescribedLoad(float(self.total * factor / cells))
 
     def is_met_by(self, constraint: Constraint, cells: int) -> bool:

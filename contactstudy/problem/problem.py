@@ -1,4 +1,10 @@
-"""The contact problem in SI units, the dimensionless one that a solver sees, and the memory that its solve needs."""
+"""The contact problem in SI units, the dimensionless one that a solver sees, and the memory that its solve needs.
+
+A :class:`Problem` is arrays, one operator, one constraint and one control; no effect is known here. Its :meth:`bare
+<Problem.bare>` form has no units: a :class:`BareProblem`. Protocols say what a solver asks of an operator and of its
+preconditioner, and what a problem carries along for others: its :class:`Source`, its outputs, and solvers around that
+of the contact. Fields are (x, y), across and along.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -88,9 +94,9 @@ class Operator(Protocol):
 GAP_ROUNDINGS = 2.0
 
 
-# Of the start on a Winkler foundation, judged by the convolutions of 15 contacts: the compliance of the first foundation
-# over that of a cell, which from 1 to 20 changes the convolutions by 0.9 to 1.4 times; and the ratio of the sides of a
-# cell above which the start is uniform, with 3 of which a roller takes 2 convolutions more.
+# Of the start on a Winkler foundation, judged by the convolutions of 15 contacts: the compliance of the first
+# foundation over that of a cell, which from 1 to 20 changes the convolutions by 0.9 to 1.4 times; and the ratio of the
+# sides of a cell above which the start is uniform. With a ratio of 3 a roller takes two convolutions more.
 COMPLIANCE_RATIO, ASPECT_RATIO = 4.0, 30.0
 
 
@@ -139,11 +145,12 @@ class BareProblem:
         return arrays().full_like(gap, self.control.uniform(prod(gap.shape)))
 
     def winkler_start(self) -> Array:
-        """Return the pressure (x, y) of a Winkler foundation as compliant as the operator.
+        """Return the pressure (x, y) of a Winkler foundation as compliant as the operator, to start a solve with.
 
-        A first foundation is more compliant than a cell by itself. The operator's compliance is that of the
-        deviations from the mean under its pressure, and gives the foundation returned. The pressure is uniform where no
-        compliance follows, and on elongated cells, where waves along the shorter side are much stiffer than others.
+        A first foundation is `COMPLIANCE_RATIO` times as compliant as a cell by itself. The displacement of the
+        operator under the deviations of its pressure from the mean, over these deviations, is the compliance of the
+        second foundation, whose pressure is returned. The pressure is uniform where no compliance above 0 follows, and
+        on elongated cells, where waves along the shorter side are much stiffer than others.
         """
         if not 1 / ASPECT_RATIO < self.aspect_ratio < ASPECT_RATIO:
             return self.uniform()
@@ -163,7 +170,7 @@ class BareProblem:
         return self.constraint.scale_to_load(trial, self.control.total)
 
     def project(self, trial: Array) -> Array:
-        """Project a `trial` pressure in L2 onto the admissible ones, in place."""
+        """Replace a `trial` pressure by the nearest one in L2 within the constraint and with the load, in place."""
         return self.constraint.project(trial, self.control.total)
 
     def residual(self, pressure: Array, gap: Gap) -> float:
@@ -188,10 +195,10 @@ class BareProblem:
         return self.operations.gap(*fields, approach)
 
     def should_stop(self, residual: float, displacement: Array, tolerance: float, largest: float | None = None) -> bool:
-        """Return whether the residual is below the `tolerance`, at the rounding of a gap, or not finite.
+        """Return whether the `residual` is below the `tolerance`, at the rounding of a gap, or not finite.
 
-        That rounding follows from the largest absolute value of the `displacement`, which is found unless it is given as
-        `largest`.
+        The rounding of a gap is `GAP_ROUNDINGS` machine epsilons of the largest absolute value of the `displacement`,
+        which is found unless it is given as `largest`.
         """
         largest = max_abs(displacement) if largest is None else largest
         rounding = float(GAP_ROUNDINGS * arrays().finfo(displacement.dtype).eps * largest)
@@ -221,7 +228,7 @@ class BareProblem:
 
 @dataclass(frozen=True, eq=False)
 class Field:
-    """Values with their dimensions, unit, long name and other CF attributes.
+    """Values with the names of their dimensions, their unit, long name and other attributes of the CF conventions.
 
     A field named like its only dimension is a coordinate.
     """
@@ -245,7 +252,10 @@ class DependsOnShear(Protocol):
     """Derived quantities that also depend on tangential traction on the surface."""
 
     def with_shear(self, shear: Array, bulk: tuple[float, float] = (0.0, 0.0)) -> Derived:
-        """Return the quantities under `shear` (component, x, y) [Pa] on the first body, and a `bulk` stress of each."""
+        """Return the quantities under the pressure and a `shear` (component, x, y) [Pa] on the first body.
+
+        The second body has the opposite shear. `bulk` is a uniform stress [Pa] along x in the first and in the second.
+        """
 
 
 # From the depths (z,) [m] to the residual stress (6, z, x, y) [Pa] of one body there.
@@ -257,9 +267,10 @@ class DependsOnStrain(Protocol):
     """Derived quantities that also depend on plastic strain below the surface."""
 
     def with_residual_stress(self, residual: Callable[[int, float], ResidualStress | None]) -> Derived:
-        """Return the quantities with the `residual` stress added, by the body's index and the deepest depth [m].
+        """Return the quantities with residual stress added.
 
-        There is none in a body that does not yield.
+        `residual` maps the index of a body, 0 or 1, and the deepest depth [m] to its residual stress; None for a body
+        that does not yield.
         """
 
 
@@ -337,8 +348,8 @@ class Problem:
     scales
         Units that the solver works in.
     open_edges, open_ends
-        Indices along x, and along y, of boundary cells that contact should not reach, because the surface goes on beyond
-        them.
+        Indices along x, and along y, of boundary cells that contact should not reach, because the surface goes on
+        beyond them.
     source
         Discretises the problem on another grid.
     paddings
@@ -399,13 +410,14 @@ class Problem:
         )
 
 
-# Arrays of the grid's size that a solve holds, and of the padded grid: a pair for the transforms, and two more where a
-# library's transforms take work arrays of their own.
+# Number of arrays of the grid's size that a solve holds at once: within 0.7 to 1.5 of what was measured.
 SOLVE_FIELDS = 14
+# Number of arrays of the padded grid's size that a solve holds at once: the spectrum and the waves, and on a GPU two
+# more, the work arrays of its transforms.
 TRANSFORM_PAIR, PAIR_AND_WORK = 2, 4
 # Bytes that any machine has free: asking the system takes as long as a solve of some hundred cells.
 FREE_ON_ANY_MACHINE = 2**24
-# The largest block [bytes] whose release raises the memory that glibc keeps.
+# The largest block [bytes] whose release raises the memory that glibc keeps: 32 MiB less what glibc adds to a block.
 LARGEST_KEPT_BLOCK = 2**25 - 2**13
 
 

@@ -1,6 +1,8 @@
 """Displacement under uniform pressure on a rectangular cell of a half-space: the cell alone, in a row, in a lattice.
 
-A pressure p on the cell displaces the surface by ``I p / (pi E*)``, where the influence coefficient ``I`` is a length.
+A pressure p on the cell displaces the surface by ``I p / (pi E*)``, where the influence coefficient ``I`` is a length:
+the integral of 1 / r over the cell. It is found to 13 digits at any distance, so that its differences keep digits.
+Offsets x across and y along count from the centre of the cell; dx and dy are its sides.
 """
 
 from collections.abc import Callable
@@ -20,7 +22,8 @@ FAR_DISTANCE, MOMENTS = 32.0, 5
 # Beyond NEAR_DISTANCE cells a line's field is analytic in a Bernstein ellipse of rho >= 9.9, so that 8 Gauss
 # points leave rho^-16 ~ 1e-16.
 NEAR_DISTANCE, NEAR_POINTS = 2.5, 8
-# Numbers in one array operation over lines or images: for few cells the overhead of a call exceeds its work.
+# Numbers in one array operation over lines or images: for few cells the overhead of a call exceeds its work, and larger
+# arrays leave the processor's cache.
 BATCH = 2**13
 
 
@@ -30,9 +33,9 @@ def boussinesq_cell(x: ArrayLike, y: ArrayLike, dx: float, dy: float) -> Array:
     The relative error is below 1e-13 at any distance up to 1e150 cells and for ``dx / dy`` from 1e-3 to 1e3. The result
     is even in `x` and `y` to the last bit.
 
-    Source: Love (1929). His difference of four corner terms loses ``(r / dx)^2`` units in the last place; here it is
-    taken edge by edge near the cell, then as Gauss points (in the direction of the larger offset) of lines in closed
-    form, all of one sign, and far away as multipoles.
+    Source: Love (1929). His difference of four corner terms loses ``(r / dx)^2`` units in the last place. Here the
+    integral is taken edge by edge near the cell; then by Gauss points along the axis of the larger offset, each a line
+    in closed form, all of one sign; and far away as multipoles.
 
     Parameters
     ----------
@@ -69,10 +72,11 @@ def boussinesq_cell(x: ArrayLike, y: ArrayLike, dx: float, dy: float) -> Array:
 
 
 def multipoles(c: Array, q: Array, e: float) -> Array:
-    """Return the mean of ``1 / |r - s|`` over the points s of a cell, in the unit of its half-diagonal d.
+    """Return the mean of ``1 / |r - s|`` over the points s of a cell, times its half-diagonal d.
 
-    ``c = cos 2 theta`` for the direction of r, ``q = (d / r)^2``, ``e = (dx^2 - dy^2) / (dx^2 + dy^2)``. It is
-    ``sqrt(q)`` times the sum of ``q^k < (s / d)^2k P_2k(cos(r, s)) >``.
+    ``c = cos 2 theta`` for the direction theta of the field point r, ``q = (d / r)^2``, and the anisotropy of the cell
+    ``e = (dx^2 - dy^2) / (dx^2 + dy^2)``. The mean is ``sqrt(q)`` times the sum over k of ``q^k`` times the moments
+    ``< (s / d)^2k P_2k(cos(r, s)) >``, with Legendre's polynomials P and the mean <> over the cell.
     """
     total, moment = np.zeros_like(q), np.empty_like(q)
     for polynomial in reversed(_moments_of_cell(e)):
@@ -90,9 +94,9 @@ def multipoles(c: Array, q: Array, e: float) -> Array:
 def _moments() -> Array:
     """Return the coefficients (n, k, m) of ``c^m e^n`` in ``< (s / d)^2k P_2k(cos(r, s)) >``, see :func:`multipoles`.
 
-    P_2k is a sum of ``cos 2 m (theta - phi)``, phi the direction of s, whose factors are those of
-    ``((1 - z) (1 - 1 / z))^(-1/2)``. Averaged over the cell, ``s^2k cos 2 m phi`` is a polynomial in the squares of its
-    half-sides, which are ``(1 + e) / 2`` and ``(1 - e) / 2``.
+    P_2k is a sum over m of ``cos 2 m (theta - phi)``, phi the direction of s, whose factors are those of
+    ``((1 - z) (1 - 1 / z))^(-1/2)`` in powers of z. Averaged over the cell, ``s^2k cos 2 m phi`` is a polynomial in the
+    squares of its half-sides, which are ``(1 + e) / 2`` and ``(1 - e) / 2`` in units of d^2.
     """
     root = binom(2 * np.arange(2 * MOMENTS), np.arange(2 * MOMENTS)) / 4.0 ** np.arange(2 * MOMENTS)
     moments = np.zeros((MOMENTS, MOMENTS, MOMENTS))
@@ -118,7 +122,10 @@ def _moments_of_cell(e: float) -> list[list[Any]]:
 
 
 def _near_and_middle(x: Array, y: Array, half_x: float, half_y: float) -> Array:
-    """Return the integral of 1/r over cells that are too near, or too long, for an expansion in multipoles."""
+    """Return the integral of 1/r over a cell at offsets (n,) that are too near for an expansion in multipoles.
+
+    `half_x` and `half_y` are half its sides.
+    """
     across, along = x / half_x, y / half_y
     near = np.maximum(across, along) < 2 * NEAR_DISTANCE
     result = np.empty(x.shape)
@@ -131,7 +138,10 @@ def _near_and_middle(x: Array, y: Array, half_x: float, half_y: float) -> Array:
 
 
 def segment_integral(x: Array, y: Array, half: Array) -> Array:
-    """Return the integral of 1/r along a segment of half-length `half`, at `x` aside and `y` along its axis."""
+    """Return the integral of 1/r along a segment of half-length `half`, from a point at `x` > 0 aside and `y` along it.
+
+    Arguments broadcast, `y` is at least 0.
+    """
     x, y, half = np.broadcast_arrays(x, y, half)
     result, within = np.empty(x.shape), y < 2 * half
     # The first form loses digits outside the segment, the second inside.
@@ -145,7 +155,7 @@ def segment_integral(x: Array, y: Array, half: Array) -> Array:
 
 
 def _edges(x: Array, y: Array, half_x: float, half_y: float) -> Array:
-    """Return the integral of 1/r over a cell by its four edges (divergence theorem on ``(x, y) / r``)."""
+    """Return the integral of 1/r over a cell by its four edges, by the divergence theorem on ``(x, y) / r``."""
     outward = np.stack([x + half_x, y + half_y, half_x - x, half_y - y])
     along, half = np.stack([y, x, y, x]), np.array([half_y, half_x, half_y, half_x])[:, None]
     # An edge contributes nothing to points on its line; any nonzero distance avoids a division by zero.
@@ -172,13 +182,13 @@ def mean_gauss_rule(points: int) -> tuple[tuple[float, float], ...]:
     return tuple(zip(nodes.tolist(), (weights / 2).tolist(), strict=True))
 
 
-# Distances in periods: from FOURIER_START the Fourier series replaces the sum over images (its 13 terms end at
-# exp(-13 pi) ~ 1e-18); beyond FOURIER_END only its logarithm remains.
+# Distances from the axis in periods: from FOURIER_START on the Fourier series along y replaces the sum over images,
+# with 13 terms there, since exp(-13 pi) ~ 1e-18 is left; beyond FOURIER_END only its mean, a logarithm, remains.
 FOURIER_START, FOURIER_END, FOURIER_TERMS = 0.5, 6.0, 13
 # Beyond this K0 is below 1e-18.
 NEGLIGIBLE_K0 = 40.0
-# Largest distance from the axis to field point and cell over that to the images that are not summed one by one: their
-# multipoles then fall by a factor of 4.7 from one to the next.
+# Images are summed one by one up to the distance from the origin to the farthest point and corner over this ratio. The
+# multipoles of further ones then fall by a factor of 0.46^-2 = 4.7 from one to the next.
 IMAGE_RATIO = 0.46
 # Relative error of a quadrature by Gauss points, and of a truncated series of multipoles.
 QUADRATURE_ERROR = 1e-17
@@ -237,9 +247,10 @@ def column_and_row(x: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:
 
 
 def _images(x: Array, y: Array, half_x: float, half_y: float, period: float) -> Array:
-    """Return the sum S of :func:`boussinesq_cell_periodic` near the axis.
+    """Return the sum S of :func:`boussinesq_cell_periodic` over ``dx dy / period`` near the axis, shape (x, y).
 
-    The nearest images are summed one by one, and all further ones together as multipoles.
+    `x` (n, 1) and `y` (1, m) are at least 0, `half_x` and `half_y` half the sides of the cell. The nearest images are
+    summed one by one, and all further ones together as multipoles.
     """
     across, along = (float(np.fmax.reduce(a, axis=None, initial=0.0)) for a in (x + half_x, y))
     reach = np.hypot(across, along + half_y) / period
@@ -261,7 +272,11 @@ def _images(x: Array, y: Array, half_x: float, half_y: float, period: float) -> 
 
 
 def even_powers(x: Array, half: float, images: int, terms: int) -> Array:
-    """Return ``1, x^2, x^4 ...`` averaged over segments about each x, in periods, shape (x, terms)."""
+    """Return ``1, x^2, x^4 ...`` averaged over segments of half-length `half` about each x, shape (x, terms).
+
+    Lengths are in periods. `images` on each side, and the origin, are summed one by one; the next ones are at a
+    distance at which the rule for the average is exact to rounding.
+    """
     # smallest distance between the ends of a cell and the further images, in half-lengths
     nodes, weights = np.array(gauss_points(images / half)).T
     squares = (x.reshape(-1, 1) + half * nodes) ** 2
@@ -271,9 +286,10 @@ def even_powers(x: Array, half: float, images: int, terms: int) -> Array:
 
 @cache
 def further_images(images: int, terms: int) -> Array:
-    """Return the coefficients (k, n) of ``x^2k y^2n`` in the sum of 1 / r over all images except the nearest.
+    """Return the coefficients (k, n) of ``x^2k y^2n`` in the sum of 1 / r over images beyond `images` on each side.
 
-    Two that are m away on either side make ``2 sum_l r^2l P_2l(y / r) / m^(2l + 1)``, with l = k + n.
+    Lengths are in periods. Two images that are m away on either side make ``2 sum_l r^2l P_2l(y / r) / m^(2l + 1)``,
+    with l = k + n.
     """
     k = np.arange(terms)
     order = k[:, None] + k
@@ -292,7 +308,7 @@ def gauss_points(away: float) -> tuple[tuple[float, float], ...]:
 
 
 def _fourier(x: Array, y: Array, half_x: float, half_y: float, period: float) -> Array:
-    """Return the sum S of :func:`boussinesq_cell_periodic` away from the axis.
+    """Return the sum S of :func:`boussinesq_cell_periodic` over ``dx dy / period`` away from the axis, shape (x, y).
 
     It is the plane-strain logarithm and harmonics of the period, which decay like exp(-2 pi j x / L).
     """
@@ -372,9 +388,9 @@ def boussinesq_cell_doubly_periodic(
 
 
 def _further_rows(x: Array, y: Array, dx: float, dy: float, width: float, period: float) -> Array:
-    """Return the sum over all rows except the rows at 0 and at the `width`, in units of ``dx dy / period``.
+    """Return the sum (x, y) of all rows except those at 0 and at the `width`, over ``dx dy / period``.
 
-    No cell of these rows reaches the axis.
+    No cell of these rows reaches the field points, which are `x` (n, 1) from 0 to half the width and `y` (1, m).
     """
     # further rows are more than FOURIER_END periods from any cell, where only the logarithms remain
     rows = int(np.ceil(FOURIER_END * period / width)) + 1

@@ -1,10 +1,11 @@
 """Layers on a half-space under one wave of load: displacement of the surface, and stress at a depth.
 
-A load on the surface is a pressure or a tangential traction, in proportion to ``exp(i k x)``. :class:`LayerResponse` has
-the response of all layers, by stiffness matrices. A :class:`WaveResponse` is what layers add to bodies without them, for
-every direction of the wave: :class:`DisplacementWaves` to the displacement of the surface, :class:`StressWaves` to the
-stress at one depth. Part of it has a closed form. The rest, the remainder, is zero for the longest waves, so that its
-field is short-ranged. :mod:`~contactstudy.elasticity.kernels.layer_waves` sums these waves to the fields of cells.
+A load on the surface is a pressure or a tangential traction, in proportion to ``exp(i k x)``. :class:`LayerResponse`
+has the response of all layers, by stiffness matrices. A :class:`WaveResponse` is what layers add to bodies without
+them, for every direction of the wave: :class:`DisplacementWaves` to the displacement of the surface,
+:class:`StressWaves` to the stress at one depth. Part of it has a closed form. The rest, the remainder, is zero for the
+longest waves, so that its field is short-ranged. :mod:`~contactstudy.elasticity.kernels.layer_waves` sums these waves
+to the fields of cells.
 
 Lengths are in units of the depth of the deepest interface, called the thickness; so are wave numbers k, in units of its
 inverse. With Airy's stress function ``f(t) cos(k x) / k^2``, ``t = k z``, a pressure ``P cos(k x)`` and a traction ``Q
@@ -35,8 +36,8 @@ Parts = Mapping[int, RealOrComplex]
 
 # Wave number times thickness beyond which a layer is a half-space: exp(-2 * 20) is below rounding.
 DEEP = 20.0
-# Number of wave numbers beyond which they are read off a spline: more than most quadratures over the waves of a point or
-# a line take. Those of a lattice, (across, along), always are, since many sums of them read the same spline.
+# Number of wave numbers beyond which they are read off a spline: more than most quadratures over the waves of a point
+# or a line take. Those of a lattice, (across, along), always are, since many sums of them read the same spline.
 MAX_DIRECT = 8192
 # Last wave number of the spline times the rate of decay. Sums of waves end where exp(-34) is left of a wave along
 # either axis, and the shortest wave is sqrt(2) times as short.
@@ -44,8 +45,8 @@ LAST_SPLINE_WAVE = 49.0
 # Largest length of a piece of the spline, points on each piece, and its degree. With them it has the digits of what it
 # interpolates; pieces of a quarter of the length change nothing.
 LONGEST_PIECE, SPLINE_POINTS, SPLINE_DEGREE = 1.0, 48, 7
-# Wave number over the distance of the nearest pole up to which a remainder of displacement is its Taylor series, and the
-# last power in that. The error of the series is of the order of 0.02^7 ~ 1e-12 of its terms.
+# Wave number over the distance of the nearest pole up to which a remainder of displacement is its Taylor series, and
+# the last power in that. The error of the series is of the order of 0.02^7 ~ 1e-12 of its terms.
 SERIES_END, SERIES_POWER = 0.02, 6
 
 
@@ -187,9 +188,9 @@ class LayerResponse:
     def compliances(self, k: RealOrComplex) -> RealOrComplex:
         """Return four displacements of the surface under waves `k` (k,), each times k over the load (4, k).
 
-        They are the one along the normal by pressure and the one along the wave by shear along the wave, in units of ``2
-        (1 - nu^2) / E`` of the top layer; their coupling, the one along the wave by s_zz, in units of 1 / (2 G); and the
-        one along the crests by shear along these, in the unit of the first.
+        They are the one along the normal by pressure and the one along the wave by shear along the wave, in units of
+        ``2 (1 - nu^2) / E`` of the top layer; their coupling, the one along the wave by s_zz, in units of 1 / (2 G);
+        and the one along the crests by shear along these, in the unit of the first.
         """
         plane, stiff = self.plane(k)[0], 1 - self.poisson_ratios[0]
         normal, along = -plane[:, 1, 0] / (2 * stiff), -plane[:, 0, 1] / (2 * stiff)
@@ -266,8 +267,8 @@ class WaveResponse(ABC):
 def _spline(waves: WaveResponse) -> PPoly:
     """Return all remainders of `waves` as a spline of the real wave number; its values are (k, n).
 
-    Its pieces grow with the wave number, from half the distance of the nearest pole on. A polynomial on each piece takes
-    a third of the time of a sum of B-splines.
+    Its pieces grow with the wave number, from half the distance of the nearest pole on. A polynomial on each piece
+    takes a third of the time of a sum of B-splines.
     """
     ends = [0.0, waves.materials.pole_distance_from_zero / 2]
     while ends[-1] < LAST_SPLINE_WAVE / waves.decay_rate:
@@ -483,7 +484,8 @@ class StressWaves(WaveResponse):
 
         Under a unit pressure it is (s_zz, s_xz, s_xx) (3, k). For the other loads it is that under a unit shear along
         the wave, then (s_yz, s_xy) under a unit shear along its crests, with the stress proportional to exp(i k x) and
-        s_xy divided by i (5, k). s_xx follows from s_zz and the strain along x: ``(1 - nu) s_xx = 2 G du/dx + nu s_zz``.
+        s_xy divided by i (5, k). s_xx follows from s_zz and the strain along x: ``(1 - nu) s_xx = 2 G du/dx + nu
+        s_zz``.
         """
         compliance, traction = self.materials.plane(k, self.depth)
         # the load at the surface is the stress -1

@@ -1,10 +1,10 @@
 """Influence coefficients of a cell on a layered half-space by the waves of its load: alone, in a row, in a lattice.
 
 :class:`WaveCoefficients` has the coefficients of one field of a
-:class:`~contactstudy.elasticity.kernels.layer_response.WaveResponse`, which is what layers add to a body without them. A
-cell alone integrates the field of a point load, and a strip, which is the mean of a row, that of a line load; both are
-tabled over the distance. The rest of a row, and a lattice, are sums over their waves. Lengths are in units of the depth
-of the deepest interface, the thickness h, except for those that :class:`WaveCoefficients` takes and returns; wave
+:class:`~contactstudy.elasticity.kernels.layer_response.WaveResponse`, which is what layers add to a body without them.
+A cell alone integrates the field of a point load, and a strip, which is the mean of a row, that of a line load; both
+are tabled over the distance. The rest of a row, and a lattice, are sums over their waves. Lengths are in units of the
+depth of the deepest interface, the thickness h, except for those that :class:`WaveCoefficients` takes and returns; wave
 numbers k are in units of 1 / h.
 """
 
@@ -31,8 +31,8 @@ from contactstudy.elasticity.kernels.layer_response import (
 # Any kind of value, the same for both sides of a cell.
 T = TypeVar("T")
 
-# Number of points of the polynomial on a piece of distances. Pieces end at r/2 times 0, 1, 2, 4, ..., if waves decay
-# as exp(-k r). The singularities of fields, at i r and, of far fields, at zero, are outside a Bernstein ellipse of rho =
+# Number of points of the polynomial on a piece of distances. Pieces end at r/2 times 0, 1, 2, 4, ..., if waves decay as
+# exp(-k r). The singularities of fields, at i r and, of far fields, at zero, are outside a Bernstein ellipse of rho =
 # 5.8 about each piece, which leaves an error of 5.8^-22 ~ 1e-17.
 CHEBYSHEV_POINTS = 22
 # Matrix from values at these points, the nodes, to Chebyshev coefficients: the polynomials are orthogonal over them.
@@ -251,7 +251,8 @@ def over_cells(decay_rate: float, offsets: tuple[float, ...], size: float, parit
     """Return weights (offsets, nodes) of a field at the nodes of the first pieces, and the number of these pieces.
 
     They make integrals over cells of the length `size` along one axis, with their centres at `offsets` from the load.
-    The field is even (1) or odd (-1) along that axis, by its `parity`. They are kept for the other fields of a response.
+    The field is even (1) or odd (-1) along that axis, by its `parity`. They are kept for the other fields of a
+    response.
     """
     edges = np.array(offsets)[:, None] + np.array([-size / 2, size / 2])
     # exact for the polynomials, and without the differences of their integrals, in which narrow cells would cancel
@@ -275,8 +276,8 @@ def over_cells(decay_rate: float, offsets: tuple[float, ...], size: float, parit
 ROUNDING_EXPONENT = 34.0
 # Distance across, in wavelengths along y, beyond which a wave along a row has decayed: exp(-2 pi 6) ~ 1e-16.
 DECAY_PERIODS = 6.0
-# Ratio of the first waves along y of neighbouring bands. The waves of each band are summed on a lattice of their own, as
-# wide as its first wave needs. Without bands a coated row of 256 cells along takes four times as long.
+# Ratio of the first waves along y of neighbouring bands. The waves of each band are summed on a lattice of their own,
+# as wide as its first wave needs. Without bands a coated row of 256 cells along takes four times as long.
 BAND_RATIO = 4
 # Window of waves: the end and the width, in waves per cell, of the erfc by which waves fade out. Of two such pairs the
 # window holds the waves of the second without those of the first.
@@ -393,13 +394,13 @@ class WaveCoefficients:
 def _lattice(waves: WaveResponse, cell: tuple[float, float], bands: Bands, along: int, rows: int) -> dict[str, Array]:
     """Return all fields (rows, along) of one cell of a lattice at the first `rows` of its centres, by name.
 
-    `cell` has the sides (dx, dy) of a cell, `along` is the number of cells along y. Each of the `bands` is the number of
-    its first wave along y, and the number of cells across of the lattice on which its waves are summed, those from there
-    to the next band. Fields of other lattices hold in the first rows where the waves of their bands have decayed.
+    `cell` has the sides (dx, dy) of a cell, `along` is the number of cells along y. Each of the `bands` is the number
+    of its first wave along y, and the number of cells across of the lattice on which its waves are summed, those from
+    there to the next band. Fields of other lattices hold in the first rows where the waves of their bands have decayed.
 
     Waves that are long along both axes are summed on these lattices. Others are summed on small ones about the cell
-    (Ewald 1921): those that are short along the longer side of a cell alone, then those that are short along the shorter
-    side. Left out are waves whose sum is negligible at half a cell from its edges.
+    (Ewald 1921): those that are short along the longer side of a cell alone, then those that are short along the
+    shorter side. Left out are waves whose sum is negligible at half a cell from its edges.
     """
     (dx, dy), ratio = cell, max(cell) / min(cell)
 

@@ -1,7 +1,10 @@
 """Stress below a rectangular cell under uniform pressure or traction on a half-space: alone, in a row, in a lattice.
 
 Coefficients are stress over pressure or traction, for one component at a time, tension positive. x runs across, y
-along, z into the body. The surface under pressure is free of tangential traction.
+along, z into the body. The surface under pressure is free of tangential traction. A :class:`CellKernel` has the
+formulas of one component, a family of them those of all components by one load: ``FAMILIES``.
+:class:`StressCoefficients` sums a kernel over the cell and its images. The fields of ``SURFACE``, displacement along
+the surface and along the normal by traction, are kernels too.
 """
 
 from collections.abc import Callable, Mapping
@@ -16,13 +19,16 @@ from numpy.typing import ArrayLike, NDArray
 from contactstudy.domain.grid import Array
 from contactstudy.elasticity.kernels.displacement import column_and_row, mean_gauss_rule
 
-# Distances in units of the longer side of a cell. Up to CORNER_DISTANCE the difference of corners loses a factor of
-# CORNER_DISTANCE^2 and the cell's aspect; from there on a point's field is analytic in a Bernstein ellipse of
-# rho >= 16, 36, 80, 320 or 4000, so that 7, 5, 4, 3 or 2 Gauss points leave at most 1e-13.
+# Distance from a cell, in units of its longer side, up to which its field is the difference of the values of a
+# primitive at the four corners: there this loses up to the square of the distance times the cell's aspect, in units of
+# rounding.
 CORNER_DISTANCE = 4.0
+# First distance and number of Gauss points of each zone beyond. From 4, 9, 20, 80 and 1000 sides on the field of a
+# point is analytic in a Bernstein ellipse of rho >= 16, 36, 80, 320 or 4000 about the cell, so that so many points
+# leave 1e-13.
 GAUSS_ZONES = ((CORNER_DISTANCE, 7), (9.0, 5), (20.0, 4), (80.0, 3), (1000.0, 2))
 
-# Field at offsets x, y and depth z, with the distance from the origin and Poisson's ratio.
+# Field (...) at offsets x and y (...) and a depth z, from the distance r (...) from the origin and Poisson's ratio nu.
 KernelFunction = Callable[[Array, Array, float, Array, float], Array]
 
 
@@ -40,13 +46,14 @@ class CellKernel:
         2 pi times the field, such as the stress, under a unit force at the origin: from offsets x and y, depth z,
         distance r and Poisson's ratio.
     corner
-        Integral of `point` over x and y, of the same arguments.
+        A primitive of `point` over x and y, of the same arguments: over a cell their integral is its difference over
+        the corners.
     plane
-        pi times the field in plane strain under unit load on a :class:`Strip`, from it and Poisson's ratio.
+        pi times the field in plane strain under unit load on a :class:`Strip`, from the strip and Poisson's ratio.
     swapped
         Key in `family` of the field with the axes exchanged.
     family
-        Kernels by key, by default ``BOUSSINESQ``.
+        Kernels by key, among them that of the field with the axes exchanged; None for ``BOUSSINESQ``.
     """
 
     name: str
@@ -62,7 +69,7 @@ class CellKernel:
         return (BOUSSINESQ if self.family is None else self.family)[self.swapped]
 
     def exchanged(self, name: str, plane: "Callable[[Strip, float], Array | float]") -> "CellKernel":
-        """Return the kernel of the field `name`, this one with the axes exchanged; `plane` is that in plane strain."""
+        """Return the kernel of the field `name`: this one with the axes exchanged, and with `plane` in plane strain."""
         even_x, even_y = self.parity
         point, corner = _swapped(self.point), _swapped(self.corner)
         return CellKernel(name, (even_y, even_x), point, corner, plane, self.name, self.family)
@@ -75,10 +82,10 @@ class Strip:
     Parameters
     ----------
     angle
-        Angle that it subtends.
+        Angle that the strip subtends at the point.
     edge_terms
-        Terms ``z / (a + i z) - z / (b + i z)`` of its edges: the point is ``a = middle + width / 2`` and ``b = middle -
-        width / 2`` away from them.
+        Terms ``z / (a + i z) - z / (b + i z)`` of the edges, where a = middle + width / 2 and b = middle - width / 2
+        are the offsets of the point from them.
     middle
         Offset of the point from the middle of the strip.
     depth
@@ -98,7 +105,7 @@ class Strip:
 
     @property
     def logarithm(self) -> Array:
-        """``ln |a + i z| - ln |b + i z|``; with a period, that of ``2 sin(pi (a + i z) / W)``."""
+        """``ln |a + i z| - ln |b + i z|``; with a period W, ``ln |2 sin(pi (a + i z) / W)|`` less the same of b."""
         x, z, dx, period = self.middle, self.depth, self.width, self.period
         if period is None:
             return np.asarray(np.log1p(2 * x * dx / ((x - dx / 2) ** 2 + z * z)) / 2)
@@ -109,7 +116,7 @@ class Strip:
 
     @property
     def sides(self) -> Array:
-        """Integral of the sign of the offset, ``|a| - |b|``; with a period, of a sawtooth without mean."""
+        """``|a| - |b|``, the integral of the offset's sign; with a period, the integral of a sawtooth of zero mean."""
         ends, period = [self.middle + side * self.width / 2 for side in (1, -1)], self.period
         if period is None:
             return np.asarray(np.abs(ends[0]) - np.abs(ends[1]))
@@ -119,17 +126,17 @@ class Strip:
 
 
 def _angle(x: Array, y: Array, z: float, r: Array) -> Array:
-    """Return the integral of ``-z / r^3`` over x and y: minus the solid angle of a quadrant."""
+    """Return the primitive of ``-z / r^3`` over x and y: minus the solid angle of a quadrant."""
     return np.asarray(-np.arctan2(x * y, z * r))
 
 
 def _second_derivative_inverse(x: Array, y: Array, z: float, r: Array) -> Array:
-    """Return the integral of ``-z (d/dx)^2 (1/r)`` over x and y; ``-3 z x^2 / r^5`` is that less ``z / r^3``."""
+    """Return the primitive of ``-z (d/dx)^2 (1/r)`` over x and y; ``-3 z x^2 / r^5`` is this field less ``z / r^3``."""
     return np.asarray(z * x * y / ((x * x + z * z) * r))
 
 
 def second_derivative_log(x: Array, y: Array, z: float, r: Array) -> Array:
-    """Return the integral of ``(d/dx)^2 ln(r + z)`` over x and y, its two arctangents as one that does not cancel."""
+    """Return the primitive of ``(d/dx)^2 ln(r + z)`` over x and y, its two arctangents as one that does not cancel."""
     return np.arctan2(x * y * (x * x + y * y) / (r + z), x * x * r + z * y * y)
 
 
@@ -146,7 +153,7 @@ def _xx_point(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
 
 
 def _xx_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
-    """Return the integral over x and y of 2 pi times the stress xx under a unit force."""
+    """Return the primitive over x and y of 2 pi times the stress xx under a unit force."""
     lateral = (1 - 2 * nu) * second_derivative_log(x, y, z, r)
     return np.asarray(2 * nu * _angle(x, y, z, r) + _second_derivative_inverse(x, y, z, r) - lateral)
 
@@ -159,7 +166,7 @@ def _xy_point(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
 
 
 def _xz_corner(x: Array, y: Array, z: float, r: Array, _: float) -> Array:
-    """Return the integral over x and y of 2 pi times the stress xz under a unit force."""
+    """Return the primitive over x and y of 2 pi times the stress xz under a unit force."""
     return np.asarray(z * z * y / ((x * x + z * z) * r))
 
 
@@ -169,7 +176,7 @@ def _swapped(field: KernelFunction) -> KernelFunction:
 
 
 def _zero(strip: Strip, nu: float) -> float:
-    """Return zero: the stress that is not there in plane strain."""
+    """Return zero, for a stress that vanishes in plane strain."""
     return 0.0
 
 
@@ -179,8 +186,9 @@ _XZ = CellKernel(
     lambda x, y, z, r, nu: -3 * z * z * x / ((r * r) * (r * r) * r),
     _xz_corner, lambda strip, nu: -strip.edge_terms.imag, "yz",
 )  # fmt: skip
-# Stress under unit pressure, by component. The points follow from the displacements under a normal force by Hooke's
-# law, with r + z in place of the brackets of the stresses. Source: Johnson (1985), eqs. 3.18; Love (1929), eqs. 3.25
+# Stress under unit pressure, by component. The stresses of a point load are those of Johnson (1985), eqs. 3.18, written
+# with ``x^2 + y^2 = (r - z) (r + z)`` so that nothing cancels on the axis; those of a cell are Love's (1929, eqs.
+# 3.25).
 BOUSSINESQ = {
     component.name: component
     for component in (
@@ -213,7 +221,10 @@ def sign(offset: Array, parity: int) -> Array | float:
 
 
 def _corners(field: KernelFunction, x: Array, y: Array, z: float, dx: float, dy: float, poisson_ratio: float) -> Array:
-    """Return the integral of a field over a cell, as the difference of its `corner` field at the four corners."""
+    """Return the integral of a field over a cell, as the difference of its primitive `field` over the four corners.
+
+    `x` and `y` (n,) are offsets from the centre of the cell, `z` the depth, `dx` and `dy` the sides.
+    """
     total = np.zeros(x.shape)
     for side in (1, -1):
         for end in (1, -1):
@@ -223,7 +234,10 @@ def _corners(field: KernelFunction, x: Array, y: Array, z: float, dx: float, dy:
 
 
 def _points(field: KernelFunction, x: Array, y: Array, z: float, dx: float, dy: float, nu: float, points: int) -> Array:
-    """Return the integral of a field over a cell, by Gauss `points` along either side."""
+    """Return the integral of the `field` of a point over a cell, by so many Gauss `points` along either side.
+
+    The other arguments are those of :func:`_corners`.
+    """
     total = np.zeros(x.shape)
     if not x.size:
         return total
@@ -236,7 +250,7 @@ def _points(field: KernelFunction, x: Array, y: Array, z: float, dx: float, dy: 
 
 
 def strip(x: Array, z: float, dx: float) -> Strip:
-    """Return a strip of width `dx` whose middle is `x` away, at depth `z`."""
+    """Return a strip of width `dx` as seen from points at the offsets `x` (n,) from its middle and at the depth `z`."""
     # by the product of both distances, where their difference would cancel
     product = (x - dx / 2) * (x + dx / 2) - z * z + 2j * z * x
     angle = np.arctan2(z * dx, np.real(product) + 2 * z * z)
@@ -244,20 +258,24 @@ def strip(x: Array, z: float, dx: float) -> Strip:
     return Strip(angle, edge_terms, x, z, dx)
 
 
-# Distance from the axis, in periods, beyond which the stress does not vary along it: exp(-2 pi 6) ~ 1e-17.
+# Distance from the axis, in periods, beyond which the stress of a row does not vary along it: exp(-2 pi 6) ~ 1e-17.
 PLANE_STRAIN_PERIODS = 6.0
-# Nodes of the rule for images at more than twice the distance from the axis: each gains a factor of rho^2 = 8^2.
+# Number of nodes of the rule that sums the images at more than twice the distance from the axis: each node gains a
+# factor of rho^2 = 8^2 in error, ten 1e-18.
 TAIL_POINTS = 10
-# Points across and along from which the images beyond are interpolated: Bernstein ellipses of rho >= 6 and 13.
+# Numbers of Chebyshev points across and along from which these images are interpolated. Their sum is analytic in
+# Bernstein ellipses of rho >= 6 and 13: 6^-22 and 13^-14 are below 1e-15.
 INTERPOLATED = 22, 14
-# Points along either axis from which the rows of a lattice beyond the nearest three are interpolated: rho >= 9.
+# Number of Chebyshev points along either axis from which the rows of a lattice beyond the nearest three are
+# interpolated: with rho >= 9, 9^-18 ~ 7e-18 is left.
 LATTICE_INTERPOLATED = 18
-# Images that the tail's rule is made from. The integral over those beyond is exact to 1 / (12 TAIL_IMAGES^3) ~ 1e-14.
+# Number of images that the rule for the tail is made from. The integral over those beyond is exact to
+# 1 / (12 TAIL_IMAGES^3) ~ 1e-14.
 TAIL_IMAGES = 20_000
 
 
 def plane_strain(component: CellKernel, loaded_strip: Strip, poisson_ratio: float) -> Array:
-    """Return a component of stress under unit pressure on a strip."""
+    """Return a component of stress (n,) under unit load on a strip, in plane strain."""
     return np.asarray(component.plane(loaded_strip, poisson_ratio) / np.pi + 0 * loaded_strip.angle)
 
 
@@ -304,7 +322,7 @@ def chebyshev_interpolation(count: int, points: Array) -> Array:
 
 @cache
 def _tail(start: int) -> tuple[Array, Array]:
-    """Return positions and weights with ``sum over m >= start of f(m)`` for f(m) = m^-2 polynomial(1/m)."""
+    """Return positions (TAIL_POINTS,) and weights for sums over m >= `start` of m^-2 times a polynomial of 1/m."""
     end = start + TAIL_IMAGES
     m = np.arange(start, end, dtype=np.float64)
     # from there on the sum is an integral
@@ -321,7 +339,10 @@ def _tail(start: int) -> tuple[Array, Array]:
 
 
 def _strips(x: Array, z: float, dx: float, period: float) -> Strip:
-    """Return strips repeated with `period`: 1/x becomes (pi/W) cot(pi x/W) (Johnson 1985, sect. 13.2)."""
+    """Return strips of width `dx` repeated with `period`, as :func:`strip` returns one.
+
+    In the fields of one strip, 1/x becomes (pi/W) cot(pi x/W) with the period W (Johnson 1985, sect. 13.2).
+    """
     # beyond this the harmonics have long underflowed, and cosh would not hold them
     depth = min(2 * np.pi * z / period, 100.0)
     twice, cell = 2 * np.pi * x / period, np.pi * dx / period
@@ -334,7 +355,7 @@ def _strips(x: Array, z: float, dx: float, period: float) -> Strip:
 
 
 def _inverse_distance_along(y: Array, x: Array, z: float) -> Array:
-    """Return the integral of 1/r over y."""
+    """Return the primitive of 1/r over y."""
     return np.asarray(np.arcsinh(y / np.sqrt(x * x + z * z)))
 
 
@@ -353,7 +374,7 @@ def _traction_xx_point(x: Array, y: Array, z: float, r: Array, nu: float) -> Arr
 
 
 def _traction_xx_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
-    """Return the integral over x and y of 2 pi times the stress xx under a unit force along x."""
+    """Return the primitive over x and y of 2 pi times the stress xx under a unit force along x."""
     incompressible = x * x * y / ((x * x + z * z) * r) + 2 * _inverse_distance_along(y, x, z)
     return np.asarray(incompressible - (1 - 2 * nu) * y / (r + z))
 
@@ -365,7 +386,7 @@ def _traction_yy_point(x: Array, y: Array, z: float, r: Array, nu: float) -> Arr
 
 
 def _traction_yy_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
-    """Return the integral over x and y of 2 pi times the stress yy under a unit force along x."""
+    """Return the primitive over x and y of 2 pi times the stress yy under a unit force along x."""
     line = _inverse_distance_along(y, x, z)
     return np.asarray(line - y / r - (1 - 2 * nu) * (line - y / (r + z)))
 
@@ -377,21 +398,21 @@ def _traction_xy_point(x: Array, y: Array, z: float, r: Array, nu: float) -> Arr
 
 
 def _traction_xy_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
-    """Return the integral over x and y of 2 pi times the stress xy under a unit force along x."""
+    """Return the primitive over x and y of 2 pi times the stress xy under a unit force along x."""
     return np.asarray(_inverse_distance_along(x, y, z) - x / r + (1 - 2 * nu) * x / (r + z))
 
 
 def _incompressible(name: str) -> tuple[KernelFunction, KernelFunction]:
-    """Return point and corner of a stress by pressure at a Poisson's ratio of 1/2.
+    """Return point and corner of the stress `name` by pressure at a Poisson's ratio of 1/2.
 
-    Those of xx and xy are also xz and yz by traction along x, whatever the ratio.
+    At this ratio xx and xy by pressure are xz and yz by traction along x, at any ratio.
     """
     kernel = BOUSSINESQ[name]
     return (lambda x, y, z, r, nu: kernel.point(x, y, z, r, 0.5), lambda x, y, z, r, nu: kernel.corner(x, y, z, r, 0.5))
 
 
-# Stress under unit traction along x, and along y. Each is the family in which kernels of the other are swapped.
-# Source: Cerruti, by way of Johnson (1985), eqs. 3.76, sect. 2.5(b)
+# Stress under unit traction along x, and along y. Each is the family in which kernels of the other are found with the
+# axes exchanged. Source: Cerruti, by way of Johnson (1985), eqs. 3.76 for a point load and sect. 2.5(b) for a strip.
 CERRUTI_ACROSS: dict[str, CellKernel] = {}
 CERRUTI_ALONG: dict[str, CellKernel] = {}
 for _name, _parity, _point, _corner, _plane, _plane_along in (
@@ -411,21 +432,21 @@ for _name, _parity, _point, _corner, _plane, _plane_along in (
 
 
 def _half_log(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
-    """Return the integral of ``x / r^2`` over x and y, up to terms whose differences over corners vanish."""
+    """Return the primitive of ``x / r^2`` over x and y on the surface, without terms that cancel over corners."""
     return np.asarray(y * np.log(r) + np.abs(x) * np.arctan2(y, np.abs(x)))
 
 
 def _moment(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
-    """Return the integral of ``x^2 / r^3`` over x and y, on the surface."""
+    """Return the primitive of ``x^2 / r^3`` over x and y on the surface."""
     return np.asarray(y * np.arcsinh(x / np.where(y == 0, 1.0, np.abs(y))))
 
 
-# 2 pi times these are integrals over the cell of fields on the surface, z = 0: x / r^2 and y / r^2, the normal
-# displacement under traction (Johnson 1985, eq. 3.75c), x^2 / r^3 and x y / r^3, what Poisson's ratio adds to the
-# displacement along the surface (eqs. 3.75a, b). y^2 / r^3 is 1 / r less x^2 / r^3: xx is not swapped.
-# Repeated strips leave out a uniform xx.
+# Fields on the surface, z = 0, by traction, times 2 pi. "x" and "y" are x / r^2 and y / r^2, the displacement along the
+# normal (Johnson 1985, eq. 3.75c); "xx" and "xy" are x^2 / r^3 and x y / r^3, what Poisson's ratio adds to the
+# displacement along the surface (eqs. 3.75a, b). There is no "yy": y^2 / r^3 is 1 / r less x^2 / r^3. Repeated strips
+# leave out a uniform "xx".
 SURFACE: dict[str, CellKernel] = {}
-# Names of the fields with the axes exchanged.
+# Name of each field with the axes exchanged.
 SWAPPED = {"xx": "yy", "yy": "xx", "xy": "xy", "x": "y", "y": "x"}
 for _name, _parity, _point, _corner, _plane in (
     ("x", (-1, 1), lambda x, y, z, r, nu: x / (r * r), _half_log, lambda s, nu: np.pi / 2 * s.sides),

@@ -127,19 +127,19 @@ def plan(
         reason = f"seconds: unknown, since {refused}"
         return replace(planned, seconds=inf, reasons=(*planned.reasons, reason))
     last, seconds, reason = request.end(levels)
-    found = planned
+    final = planned
     if last != planned.grid:  # the plan is to speak of the last grid, and of its memory
-        found = plan_grid(planned.scene, error=error, grid=last, padding=padding, times=times, device=device)
+        final = plan_grid(planned.scene, error=error, grid=last, padding=padding, times=times, device=device)
         begins = f"refinement: a solve begins on {cells_text(planned.grid.cells)}."
-        found = replace(
-            found, reasons=(*found.reasons, begins), warnings=planned.warnings, first_grids=planned.first_grids
+        final = replace(
+            final, reasons=(*final.reasons, begins), warnings=planned.warnings, first_grids=planned.first_grids
         )
     return replace(
-        found,
+        final,
         error=planned.error if scene.lubrication else request.error_on(last, levels),
         seconds=seconds / request.speedup,
-        reasons=(*found.reasons, reason),
-        warnings=(*found.warnings, *request.warnings_of(levels)),
+        reasons=(*final.reasons, reason),
+        warnings=(*final.warnings, *request.warnings_of(levels)),
     )
 
 
@@ -225,10 +225,12 @@ class _Request:
         for level in levels:
             if level.answer is not None:
                 judged_numbers(level.answer.quantities, self.error)  # refuses names of numbers that the answer lacks
+        # the grids for the pressure, and the levels themselves where the solve begins with these
         last, grids = levels[-1], self.grids_of_pressure(levels)
         seconds = sum(self.seconds_on(grid, levels) for grid in grids)
         if self.planned.first_grids is not None:
             seconds += sum(level.seconds for level in levels) - (last.seconds_of_numbers if grids else 0.0)
+        # then finer ones for numbers whose bounds the error asks for: one is solved if it is small, else it is the last
         grid, numbers = grids[-1] if grids else self.planned.grid, ""
         refines_numbers = self.planned.first_grids is not None or refines(self.scene)
         while self.is_chosen and refines_numbers and (answer := levels[-1].answer) is not None:
@@ -402,10 +404,10 @@ class _Request:
         """Return the grid on which a film is expected to end: refined as that of the `last` level, to a larger error."""
         from contactstudy.planning.film_plan import film_grid
 
-        planned, found = self.planned.grid, last.grid
-        first = film_grid(self.scene, last.answer.requested, found.length)
-        wider = found.extent[0] / first.extent[0]
-        across = round(planned.cells[0] * found.cells[0] / first.cells[0])
+        planned, refined = self.planned.grid, last.grid
+        first = film_grid(self.scene, last.answer.requested, refined.length)
+        wider = refined.extent[0] / first.extent[0]
+        across = round(planned.cells[0] * refined.cells[0] / first.cells[0])
         return Grid((across, planned.cells[1]), (planned.extent[0] * wider, planned.length))
 
 

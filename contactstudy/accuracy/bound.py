@@ -287,16 +287,16 @@ def is_pull_off(solution: Solution) -> bool:
 
 def _cut_off(solution: Solution) -> str:
     """Return a sentence if contact or attraction is cut off at the edge of the grid, else an empty string."""
-    problem, what = solution.problem, ""
+    problem, cut_off = solution.problem, ""
     if problem.is_cut_off(solution.pressure):
-        what = "contact"
+        cut_off = "contact"
     elif solution.adhesion is not None:
         from contactstudy.solvers.adhesion import is_cut_off  # imported only where it is named
 
-        what = "attraction" if is_cut_off(problem, solution.adhesion.attraction) else ""
-    if not what:
+        cut_off = "attraction" if is_cut_off(problem, solution.adhesion.attraction) else ""
+    if not cut_off:
         return ""
-    return f"No bound: the {what} is cut off at the edge of the grid, give Grid.extent a larger width or length."
+    return f"No bound: the {cut_off} is cut off at the edge of the grid, give Grid.extent a larger width or length."
 
 
 def _unresolved_length(problem: Problem) -> str:

@@ -171,7 +171,7 @@ def unrelieved_ends(solution: Solution) -> str:
     excess = _excess(solution.pressure, rows)
     if excess <= RELIEVED or length < 2 * hertz.half_width or solution.pressure.size > MOST_CELLS:
         return ""
-    said = f"The ends carry up to {excess:.2f} times as much as the rest of the roller"
+    start = f"The ends carry up to {excess:.2f} times as much as the rest of the roller"
     even = LundbergProfile.for_load(
         hertz.load_per_length, contact_modulus=hertz.contact_modulus, radius=hertz.radius, length=length
     )
@@ -187,11 +187,11 @@ def unrelieved_ends(solution: Solution) -> str:
         if _excess(relieved.pressure, rows) <= RELIEVED:
             highest = [readable(float(p.max()), "Pa") for p in (solution.pressure, relieved.pressure)]
             return (
-                f"{said}: suggested drop {readable(drop)} at each end, by LundbergProfile(amplitude={amplitude:.3g}, "
+                f"{start}: suggested drop {readable(drop)} at each end, by LundbergProfile(amplitude={amplitude:.3g}, "
                 f"end_drop={drop:.3g}, length={length:.6g}), with which the highest pressure on this grid is "
                 f"{highest[1]} and not {highest[0]}."
             )
-    return f"{said}, and Lundberg's profile for this load does not relieve them: lower the load or the tilt."
+    return f"{start}, and Lundberg's profile for this load does not relieve them: lower the load or the tilt."
 
 
 def _roller_of(solution: Solution) -> tuple[Scene, NDArray[np.intp]] | None:
@@ -249,11 +249,11 @@ def implausible(solution: Solution) -> str:
         (abs(solution.approach) / radius, MAX_APPROACH, "the approach is {:.2g} times the radius", LOAD_HINT),
         (wider, MAX_WIDTH, "the grid is {:.2g} times as wide as the contact", EXTENT_HINT),
     )
-    found = [(fact.format(size), hint) for size, limit, fact, hint in facts if size > limit]
-    if not found:
+    beyond = [(fact.format(size), hint) for size, limit, fact, hint in facts if size > limit]
+    if not beyond:
         return ""
-    hint = MODULUS_HINT if modulus < MIN_MODULUS else found[0][1]
-    return f"The input is implausible: {', '.join(fact for fact, _ in found)}; {hint}"
+    hint = MODULUS_HINT if modulus < MIN_MODULUS else beyond[0][1]
+    return f"The input is implausible: {', '.join(fact for fact, _ in beyond)}; {hint}"
 
 
 def beyond_strength(solution: Solution) -> str:
@@ -275,8 +275,8 @@ def beyond_strength(solution: Solution) -> str:
                 f"Scene.solids[{number}], {limit / 1e9:.3g} GPa: give Scene.hardness, or a body that yields."
             )
         if is_layered(body) or getattr(body, "hardness_profile", None) is not None:
-            if said := _beyond_varying_strength(solution, number, body, shear):
-                return said
+            if sentence := _beyond_varying_strength(solution, number, body, shear):
+                return sentence
             continue
         if not isinstance(body, HalfSpace) or isinf(body.yield_stress):
             continue

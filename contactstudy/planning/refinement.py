@@ -263,6 +263,9 @@ class GridRefinement:
     ) -> list[BoundedSolution]:
         """Return the solutions on all grids with their bounds; the last one meets the error or cannot be refined.
 
+        The first grid starts from a solution on half of its cells, each other from that before. Where the width does not
+        suit the contact, all begins anew on another one.
+
         Parameters
         ----------
         most_solved
@@ -278,7 +281,7 @@ class GridRefinement:
         if start_grid is not None:
             grid = self.grid_of_start(start_grid) or grid
         widths, begin = 0, process_time()
-        with caching(cache_of(32 * MOST_CELLS)):
+        with caching(cache_of(32 * MOST_CELLS)):  # bytes of two spectra of the largest grid
             while grid is not None and (not levels or prod(grid.cells) <= most_solved):
                 if coarse is None:
                     coarse = self._solve_on(coarsened(grid, 2), start)

@@ -181,7 +181,7 @@ def stress_quantities(
     if not depths[0] and (scale := float(von_mises[0].max())):
         wider: Iterator[tuple[Grid, Array]] = iter(())
         if layers and paddings:
-            output = next(one for one in scene.outputs if isinstance(one, stresses.SubsurfaceStress))
+            output = next(output for output in scene.outputs if isinstance(output, stresses.SubsurfaceStress))
             wider = stresses.surface_beyond(output, scene.solids, grid, paddings, stress[:, 0])
         found["surface_tension"] = _surface_tension(stress[:, 0], scale, wider, layers, grid, name, estimate)
     error = estimate.stress

@@ -81,6 +81,7 @@ def _edge_law() -> _EdgeLaw:
     errors, last_three = np.empty(STEPS), np.empty((3, STEPS))
     for number, half_width in enumerate(x[-1] + places):
         pressure = (inverse @ np.append(-np.pi / 2 * x**2, np.pi / 2 * half_width**2))[:-1]
+        # the true pressure as its means in the cells of the right half, and at the centres
         angle = np.arcsin(np.clip(np.arange(CELLS // 2 + 2) / half_width, -1, 1))
         means = np.diff(half_width**2 / 2 * (angle + np.sin(angle) * np.cos(angle)))
         true = np.sqrt(np.maximum(half_width**2 - x**2, 0))
@@ -163,13 +164,14 @@ def straight_edges(pressure: Array) -> StraightEdges | None:
     sides = np.stack([pressure[last : last - 3 : -1], pressure[first : first + 3]])
     sides = sides / _opposite_edge(touching.size)[:, None]
     place, _, ratios = _edge_law()
+    # by the last two cells, and by the second and the third
     places, others = (np.interp(sides[:, k] / sides[:, k + 1], _extended(ratios[k]), _extended(place)) for k in (0, 1))
-    off = np.abs(places - others)
-    if off.max() > MAX_DIFFERENCE:
+    differences = np.abs(places - others)
+    if differences.max() > MAX_DIFFERENCE:
         return None
     places = np.clip(places, place[0], place[-1])
     bends = np.abs(np.roll(places, 1, axis=1) + np.roll(places, -1, axis=1) - 2 * places)
-    uncertainty = float((off.max(axis=1) + bends.max(axis=1)).sum())
+    uncertainty = float((differences.max(axis=1) + bends.max(axis=1)).sum())
     middle = (len(pressure) - 1) / 2
     return StraightEdges(places + np.array([[last - middle], [middle - first]]), uncertainty)
 
@@ -219,8 +221,8 @@ def contact_perimeter(touching: NDArray[np.bool_], grid: Grid, paddings: Padding
 def _lengths_of_sides(touching: NDArray[np.bool_], wraps: Sequence[bool]) -> list[NDArray[np.intp]]:
     """Return the lengths [cells] of all straight rows of sides of `touching` cells (x, y), for both axes.
 
-    Those of the first array lie between neighbours across, those of the second between neighbours along.
-    Sides across the ends of an axis count where it wraps.
+    Those of the first array lie between neighbours across, those of the second between neighbours along. Sides across
+    the ends of an axis count where it wraps.
     """
     lengths = []
     for axis, is_periodic in enumerate(wraps):
@@ -369,9 +371,9 @@ class DiscretisationErrors:
     Attributes
     ----------
     l1
-        Of the net pressure in L1; a change is that of its means over the coarser cells.
+        Error of the net pressure in L1; a change is that of its means over the coarser cells.
     peak_pressure, contact_area, load
-        Of these numbers; the `load` is None where it is given.
+        Errors of these numbers; that of the `load` is None where the load is given.
     warnings
         A sentence for each infinite error, or on what to change.
     """

@@ -22,13 +22,18 @@ from contactstudy.domain.validation import display_unit_of, readable
 from contactstudy.io.quantities.contact_quantities import parameters_text, surface_parameters
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 
+# Style of all pictures, such as fonts, sizes and resolution.
 SETTINGS: Any = mpl.rc_params_from_file(Path(__file__).with_name("contactstudy.mplstyle"), use_default_template=False)
-# Okabe & Ito (2008), safe for colour-blind readers.
+# Colours of Okabe & Ito (2008), safe for colour-blind readers, in the order in which they are taken.
 BLUE, RED, GREEN, PURPLE, ORANGE, SKY = COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 GREY = "#595959"
+# Style of the line of a law or a closed form beside what was computed.
 LAW_STYLE: dict[str, Any] = {"color": "black", "linestyle": ":", "linewidth": 1.0, "marker": "none"}
-
-
+# Width of a legend at most [in], which a telephone shows of a figure without scrolling.
+LEGEND_WIDTH = 5.4
+# Width of an entry of a legend [in]: that of its line, and that of a letter. Letters of a text in an inch.
+LINE_WIDTH, LETTER_WIDTH, LETTERS_PER_INCH = 0.55, 0.065, 14
+# Either of a dataset and one of its variables.
 Fields = TypeVar("Fields", xr.Dataset, xr.DataArray)
 
 
@@ -36,6 +41,7 @@ class Picture(Figure):
     """Figure that a notebook shows once, with or without pyplot."""
 
     def _repr_png_(self) -> bytes:
+        """Return the figure as a PNG file, which a notebook asks for."""
         file = BytesIO()
         self.savefig(file, format="png", dpi=SETTINGS["figure.dpi"])
         return file.getvalue()
@@ -94,7 +100,7 @@ def draw_map(ax: Axes, x: ArrayLike, y: ArrayLike, values: Any, names: tuple[str
 
 
 def number_text(value: float, *others: float) -> str:
-    """Return a number for an axis: as it is if it and all `others` there are from 0.001 to 10000, else as a power."""
+    """Return a `value` as text for an axis: plain if it and all `others` are from 0.001 to 1e5, else as a power."""
     if value == 0 or all(1e-3 <= abs(number) < 1e5 for number in (value, *others)):
         return f"{value:g}"
     exponent = floor(log10(abs(value)) + 1e-9)
@@ -103,9 +109,10 @@ def number_text(value: float, *others: float) -> str:
 
 
 def label_logarithmic(axis: Axis) -> None:
-    """Label a logarithmic axis in one way: decades, with 2 and 5 times these below two of them, evenly below a third.
+    """Label a logarithmic axis in one way, by the range that it shows.
 
-    The numbers are plain, unless the axis has texts of its own. Ticks that are set, without minor ones, stay.
+    Over two decades and more there are decades, below that also 2 and 5 times these, and below a factor of five evenly
+    spaced numbers. Texts of ticks that an axis has of its own stay, and so do ticks that are set without minor ones.
     """
     low, high = sorted(axis.get_view_interval())
     if high < 1.001 * low:  # one value, and its law within rounding of it
@@ -126,9 +133,6 @@ def label_logarithmic(axis: Axis) -> None:
         axis.set_minor_formatter(NullFormatter())
 
 
-LEGEND_WIDTH = 5.4  # [in], which a telephone shows of a figure without scrolling
-
-
 def label_axes(figure: Figure) -> None:
     """Label all logarithmic axes of a `figure` in one way."""
     for axis in (axis for ax in figure.axes for axis in (ax.xaxis, ax.yaxis)):
@@ -140,7 +144,7 @@ def label_axes(figure: Figure) -> None:
 
 def finish(figure: Figure, dataset: xr.Dataset) -> Figure:
     """Return a figure with its legend, the warnings of its `dataset` above, and the error asked and met below."""
-    letters = int(14 * figure.get_figwidth())
+    letters = int(LETTERS_PER_INCH * figure.get_figwidth())
     add_legend(figure, fill(str(dataset.attrs.get("accuracy", "")), letters))
     if "warnings" in dataset.attrs:
         warning = fill(f"warning: {dataset.attrs['warnings']}", letters)
@@ -158,7 +162,7 @@ def add_legend(figure: Figure, title: str = "") -> None:
     if not entries:
         figure.supxlabel(title, fontsize="small", x=0.01, ha="left")
         return
-    width = max(1.3, 0.55 + 0.065 * max(map(len, entries)))  # of an entry [in]
+    width = max(1.3, LINE_WIDTH + LETTER_WIDTH * max(map(len, entries)))
     rows = -(-len(entries) // max(1, int(min(figure.get_figwidth(), LEGEND_WIDTH) / width)))
     columns = -(-len(entries) // rows)
     figure.set_figheight(figure.get_figheight() + 0.2 * (rows - 1))
@@ -166,7 +170,7 @@ def add_legend(figure: Figure, title: str = "") -> None:
     figure.legend(entries.values(), entries.keys(), loc="outside lower left", ncols=columns, **style)
 
 
-# What of a measured surface is drawn.
+# Heights of a measured surface that are drawn: as they enter a contact, or as they were measured.
 Heights = Literal["prepared", "as measured"]
 
 
@@ -197,7 +201,10 @@ def surface_picture(surface: MeasuredSurface, shown: Sequence[Heights] = ("prepa
 
 
 def _heights(ax: Axes, places: Sequence[Array], unit: str, heights: Array, title: str) -> None:
-    """Draw heights over their places across and along, in a `unit` of display; those of a profile as a line."""
+    """Draw `heights` (x, y) [m] over `places` (across, along) in a `unit` of display; those of a profile as a line.
+
+    The panel has the `title`.
+    """
     size, name = display_unit_of(heights, "m")
     if 1 in heights.shape:
         ax.plot(max(places, key=len), heights.ravel() / size)

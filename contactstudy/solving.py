@@ -233,10 +233,8 @@ class _Request:
             problem = replace(problem, adhesion=problem.adhesion.continued(before.attraction))
         options = self.options
         if self.progress is not None:
-            options = replace(
-                options,
-                solver=ReportingSolver(Reporter(self.progress, options.tolerance, problem).iteration, options.solver),
-            )
+            report = Reporter(self.progress, options.tolerance, problem).iteration
+            options = replace(options, solver=ReportingSolver(report, options.solver))
         given, extent = getattr(self.start, "grid", problem.grid).extent, problem.grid.extent
         if not np.allclose(given, extent, rtol=SAME, atol=0):
             there, here = (" x ".join(map(readable, sides)) for sides in (given, extent))
@@ -263,7 +261,8 @@ class _Request:
 
         at_own_points = self.error is None or self.scene.hertz is None
         on_own_points = at_own_points and measured_length_scales(self.scene) is not None
-        if self.grid is not None or on_own_points or belongs_to_grid(self.scene):
+        # a short attraction has its range from the grid
+        if self.grid is not None or on_own_points or self.scene.adhesion is not None:
             return replace(self.solve_problem(self.scene.problem(*self.planned())), requested=self.requested)
         from contactstudy.planning.refinement import solve_to  # only where the grid is chosen
 
@@ -299,17 +298,12 @@ class _Request:
         grid, padding = self.planned()
 
         def solve_on(grid: Grid) -> Contact:
-            rolling = solve_rolling(
-                self.scene,
-                grid,
-                padding,
-                options=self.options,
-                progress=self.progress and Reporter(self.progress).change,
-            )
+            progress = self.progress and Reporter(self.progress).change
+            rolling = solve_rolling(self.scene, grid, padding, options=self.options, progress=progress)
             return contact_answer(rolling.solution, rolling=rolling)
 
         answer = replace(solve_on(grid), requested=self.requested)
-        is_refined = self.grid is None and not belongs_to_grid(self.scene)
+        is_refined = self.grid is None and refines(self.scene)
         return self._refined(answer, solve_on) if is_refined else answer
 
     def repeated_rolling(self) -> "Evolution":
@@ -505,21 +499,19 @@ def grid_for_numbers(answer: Any, *, is_default: bool) -> Grid | None:
     # iterations grow about as the root of the cells along an axis
     left = most / answer.counts["convolutions"][0]
     for factor in sorted(factors, reverse=True):
-        cells = _cells(answer.grid, factor)
+        # those that take as long as a call for them count too
+        cells = CELLS_OF_A_CALL + (inf if factor == inf else prod(finer_grid(answer.grid, factor).cells))
         if cells <= largest and cells * factor**0.5 <= left:
             return finer_grid(answer.grid, min(factor, MAX_GROWTH))
     return None
 
 
 def refines(scene: Scene) -> bool:
-    """Return whether a scene that is not static is solved again on finer grids until its bound meets the error."""
-    refined = methods.STEADY_ROLLING, methods.TIME_DEPENDENT
-    return scene.method in refined and not belongs_to_grid(scene)
+    """Return whether a scene that is not static is solved again on finer grids until its bound meets the error.
 
-
-def belongs_to_grid(scene: Scene) -> bool:
-    """Return whether a scene is not refined, since a short attraction has its range from the grid."""
-    return scene.adhesion is not None
+    One with adhesion is not, as a short attraction has its range from the grid.
+    """
+    return scene.method in (methods.STEADY_ROLLING, methods.TIME_DEPENDENT) and scene.adhesion is None
 
 
 def next_grid(grid: Grid, parts: Mapping[str, float], requested: float) -> Grid | None:
@@ -540,8 +532,3 @@ def next_grid(grid: Grid, parts: Mapping[str, float], requested: float) -> Grid 
     factor = MARGIN * (cells / (requested - total + cells)) ** (1 / ORDER)
     finer = finer_grid(grid, min(factor, MAX_REFINEMENT))
     return finer if prod(finer.cells) <= MAX_CELLS else None
-
-
-def _cells(grid: Grid, factor: float) -> float:
-    """Return the cells of a grid finer by a factor, and those that take as long as a call for them."""
-    return inf if factor == inf else prod(finer_grid(grid, factor).cells) + CELLS_OF_A_CALL

@@ -1,4 +1,9 @@
-"""The answer for a dry contact."""
+"""The answer for a dry contact: its solution, the bounds of its errors, and its numbers.
+
+The errors follow from the contact itself by laws, and from the same scene on 1 / k of the cells along each axis, which
+is solved when a bound is first asked for. A contact may be a frame, the state at one instant of an evolution. An output
+is a further result that the scene names, such as the stress below the surface; its fields are called derived.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
@@ -44,7 +49,7 @@ class Contact(Answer, Solution):
     state
         Fields that a frame keeps from one instant to the next, such as the wear depth, by name.
     is_coarse
-        Whether it is itself one to compare with, which has no further bounds.
+        Whether the contact is on coarser cells, to compare others with, and has no bounds of its own.
     """
 
     requested: Request | None = None
@@ -78,7 +83,7 @@ class Contact(Answer, Solution):
 
     @cached_property
     def error(self) -> ErrorEstimate:
-        """Estimate of the errors by :func:`~contactstudy.accuracy.estimate.error_estimate`, none of a coarse contact."""
+        """Errors by :func:`~contactstudy.accuracy.estimate.error_estimate`; infinite for a contact on coarser cells."""
         if self.is_coarse:
             unknown = ErrorParts(discretisation=inf, reason=NO_ESTIMATE)
             return ErrorEstimate(unknown)
@@ -98,14 +103,14 @@ class Contact(Answer, Solution):
 
     @property
     def _depends_on_history(self) -> bool:
-        """True for a frame with an estimate of its own, which depends on earlier pressures.
+        """True for a frame with an estimate of its own, since it depends on earlier pressures.
 
-        In a history with adhesion each state is in equilibrium by itself.
+        A frame without one, as in a history of loads with adhesion, is in equilibrium by itself.
         """
         return self.time is not None and self.estimate is not None
 
     def _with_derived(self, estimate: ErrorEstimate) -> ErrorEstimate:
-        """Return `estimate` with warnings of ends and yield, and what of stresses changes between grids do not show."""
+        """Return `estimate` with warnings of ends and yield, and errors of stresses that no change of grids shows."""
         from contactstudy.accuracy.estimate import stress_error
         from contactstudy.accuracy.plausibility import (
             beyond_strength,
@@ -186,7 +191,7 @@ class Contact(Answer, Solution):
         # straight edges lie inside their cells by a law of their own, and are compared with such alone
         by_law = frozenset(OF_EDGES if lawful_edges(self) else ())
         below = {
-            k: {name: of for name, of in level.quantities.items() if name not in by_law or lawful_edges(level)}
+            k: {name: number for name, number in level.quantities.items() if name not in by_law or lawful_edges(level)}
             for k, level in self._below.items()
         }
         return with_nested_bounds(
@@ -196,15 +201,15 @@ class Contact(Answer, Solution):
             frozenset({NO_ESTIMATE}),
             edge_fraction=edge_fraction(self.pressure > 0),
             order=self._order,
-            unseen={name: of.total for name, of in unseen.items() if of},
-            of_stress={name: of.total for name, of in of_stress.items() if of},
+            unseen={name: parts.total for name, parts in unseen.items() if parts},
+            of_stress={name: parts.total for name, parts in of_stress.items() if parts},
             by_law=by_law,
             at_edge=frozenset({"peak_pressure"} if is_highest_beside_edge(self.pressure) else ()),
         )
 
     @property
     def _order(self) -> float:
-        """Power of the cell size with which its numbers fall."""
+        """Power of the cell size with which the errors of its numbers fall."""
         source = self.problem.source
         ends = source is not None and source.ends_along
         rolls = self.rolling is not None or hasattr(self.traction, "creepage")

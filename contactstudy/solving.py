@@ -1,4 +1,9 @@
-"""Function solve, which chooses the method from the scene: static, time-dependent, rolling or lubricated."""
+"""Function solve, which chooses the method from the scene: static, time-dependent, rolling or lubricated.
+
+A scene's method, with the keywords that it uses, is in the table of :mod:`contactstudy.scene.combinations`; `SOLVED_BY`
+has what solves by it. Each solves on the grid that is given, or on one that is planned, and then again on finer grids
+until the bounds of the answer meet the request. Methods are imported only where a scene asks for them.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -31,22 +36,25 @@ if TYPE_CHECKING:
     from contactstudy.evolution.march import TimeSteps
 
 # Most iterations of a film by default, the most refinements of its grid, and the fraction of the requested error for its
-# steps in time.
+# steps in time, as much as for its cells.
 FILM_ITERATIONS, FILM_REFINEMENTS, STEP_FRACTION = 300, 5, 0.5
-# Relative difference of two extents that is rounding, and of two loads below which a start is that of the same load.
+# Relative difference of two extents that is rounding, and of two loads below which a start is that of the same load: of
+# one that differs by more, the note says so.
 SAME, SAME_LOAD = 1e-6, 1e-2
-# Largest error of the steps on coarser cells to compare with.
+# Largest error of the steps on coarser cells to compare with, beyond which steps would no longer follow the scene.
 LARGEST_STEP_ERROR = 0.3
 # Cells times convolutions that a further grid may take for the numbers of an answer, its estimate left out: about a
 # second by default, and half a minute where an error is requested; and cells that take as long as the call for them.
 DEFAULT_WORK, REQUESTED_WORK, CELLS_OF_A_CALL = 1.5e7, 3e8, 1500
-# Most grids for the numbers, and the largest factor on the cells along an axis from one to the next.
+# Most grids for the numbers, and the largest factor on the cells along an axis from one to the next, beyond which an
+# error extrapolated by its order is a guess.
 REFINEMENTS_OF_NUMBERS, MAX_GROWTH = 5, 4.0
 # Most cells of a grid for the numbers of a contact that slips, whose iterations the convolutions do not count, of one
 # whose stress is asked for, and of a row with the stress of a coated body, of which 2400 take 16 s.
 MAX_CELLS_OF_SLIP, MAX_CELLS_OF_STRESS, MAX_ROW_OF_COATED_STRESS = 10_000, 200_000, 4000
-# Refinements of a scene that is not static: their number, the order with which its error is expected to fall, the margin
-# on the cells that this gives, the largest factor on the cells along an axis, and the most cells of a grid.
+# Refinements of a scene that is not static: their number, the order with which its error is expected to fall, between
+# the first order of rolling and the 1.5 of a contact at rest, the margin on the cells that this gives, the largest
+# factor on the cells along an axis, and the most cells of a grid.
 REFINEMENTS, ORDER, MARGIN, MAX_REFINEMENT, MAX_CELLS = 3, 1.25, 1.05, 3.0, 2_000_000
 
 
@@ -121,7 +129,7 @@ def solve(
 
 @dataclass(frozen=True, eq=False)
 class _Request:
-    """Arguments of :func:`solve`, and what answers them for each kind of scene."""
+    """Arguments of :func:`solve`, and what answers them for each kind of scene; `error` is the requested one."""
 
     scene: Any
     grid: Grid | None
@@ -242,7 +250,7 @@ class _Request:
         return contact_answer(self._noted(solve_contact(problem, options, self.first_pressure, self.device)))
 
     def _noted(self, solution: Solution) -> Solution:
-        """Return a solution whose note says whether the pressure that it began with carried another load."""
+        """Return `solution`, with a note where the pressure that it began with carried another load."""
         grid, start = solution.problem.grid, np.asarray(0.0 if self.start is None else self.first_pressure)
         before = getattr(self.start, "grid", grid if start.shape == grid.cells else None)
         is_scaled = solution.adhesion is None and solution.problem.control.approach is None
@@ -347,9 +355,10 @@ class _Request:
         error: float | None = None,
         **named: Any,
     ) -> "Evolution":
-        """Return as an answer what `follow` finds at the instants to record, with an `error` of its steps and arguments.
+        """Return as an answer what `follow` finds at the instants to record.
 
-        Its bounds take the same on coarser cells, with longer steps.
+        `answer_of` makes an answer of it, `error` is the largest one of its steps, and `named` are further arguments.
+        The bounds of the answer take the same on coarser cells, with longer steps.
         """
         from contactstudy.planning.grid_requirements import with_random_extents
 
@@ -438,7 +447,8 @@ class _Request:
     def _refined(self, answer: Any, solve_on: Callable[[Grid], Any], by_pressure: int = REFINEMENTS) -> Any:
         """Solve again on finer grids until the bounds of the answer meet the request, where that is possible.
 
-        At most as many times `by_pressure`, and then for the numbers whose bounds are above the request.
+        It is solved at most `by_pressure` times for the pressure in L1, and then for the numbers whose bounds are above
+        the request. `solve_on` solves on a grid.
         """
         target = self.target
         assert target is not None  # it has a default without a grid
@@ -477,7 +487,10 @@ SOLVED_BY: Mapping[methods.Method, Callable[[_Request], "Contact | LubricatedCon
 
 
 def grid_for_numbers(answer: Any, *, is_default: bool) -> Grid | None:
-    """Return the grid for the numbers of an answer whose bounds are above the request, within the work for them."""
+    """Return the grid for the numbers of an answer whose bounds are above the request, within the work for them.
+
+    The work is less where the request `is_default`. None where no grid in reach lessens any of the bounds.
+    """
     parts = answer.error.l1.by_cause
     if not parts or max(parts, key=parts.__getitem__) != "discretisation":
         return None

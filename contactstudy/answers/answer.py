@@ -537,12 +537,21 @@ class Answer(InNotebook):
         return repr(self)
 
     def _repr_html_(self) -> str:
-        """Return the representation above a small picture, for notebooks."""
-        return super()._repr_html_() + _image(self)
+        """Return the representation, for notebooks above a small picture if there are fields and a library to draw."""
+        text, file = super()._repr_html_(), BytesIO()
+        if not self.quantities:  # no finite fields
+            return text
+        try:
+            self.plot().savefig(file, format="png", dpi=60)
+        except ModuleNotFoundError:
+            return text
+        return (
+            f"{text}<img alt='fields of the answer' src='data:image/png;base64,{b64encode(file.getvalue()).decode()}'>"
+        )
 
 
-# Function of a factor k that solves the same scene on 1 / k of the cells along each axis, in time with steps k times as
-# long; a film also over a multiple of the width.
+# Function of a factor k, and for a film of a multiple of the width, that solves the same scene on 1 / k of the cells
+# along each axis, in time with steps k times as long.
 Coarser = Callable[..., Answer]
 
 
@@ -553,7 +562,7 @@ def levels_below(coarser: Coarser) -> dict[int, Answer]:
 
 
 def solved_or_none(coarser: Coarser, *arguments: int) -> Answer | None:
-    """Return an answer to compare with; None where there is no solution."""
+    """Return the answer of `coarser` for its `arguments`, to compare with; None where there is no solution."""
     try:
         answer = coarser(*arguments)
     except (InvalidInput, NotDefined):
@@ -569,16 +578,3 @@ def surface_notes(scene: Scene | None) -> list[str]:
         for number, shape in enumerate(shapes)
         if hasattr(shape, "digest")  # of measured heights
     ]
-
-
-def _image(answer: Answer) -> str:
-    """Return a picture of an answer for HTML; empty without finite fields, or without a library that draws."""
-    if not answer.quantities:
-        return ""
-    file = BytesIO()
-    try:
-        answer.plot().savefig(file, format="png", dpi=60)
-    except ModuleNotFoundError:
-        return ""
-    data = b64encode(file.getvalue()).decode()
-    return f"<img alt='fields of the answer' src='data:image/png;base64,{data}'>"

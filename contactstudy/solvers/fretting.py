@@ -116,8 +116,6 @@ LOOP_PARTS, LOOP_TOLERANCE, LOOP_APPLICATIONS = 8, 1e-6, 1000
 # Factor on friction with which a contact sticks all over: the traction at an edge that sticks grows over ``mu p`` like
 # half the cells in contact along x, of which there may be 2000.
 STICKING = 1e3
-# Convolutions of the full grid in an application of the response: as many as a traction has components.
-CONVOLUTIONS_PER_APPLICATION = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,8 +195,8 @@ class FrettingShear:
             cycle=cycle,
             bulk=(0.0, stresses[-1]) if self.bulk_body else (stresses[-1], 0.0),
         )
-        convolutions = CONVOLUTIONS_PER_APPLICATION * applications
-        return normal.with_traction(traction, worst(statuses), residual, applications, convolutions)
+        # an application of the response takes a convolution for each component of the traction
+        return normal.with_traction(traction, worst(statuses), residual, applications, 2.0 * applications)
 
     def loop(self, solution: Solution) -> tuple[Array, Array, Array]:
         """Return forces along x [N], rigid displacements [m] and slip [m] along the last whole cycle, or the history.

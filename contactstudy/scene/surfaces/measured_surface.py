@@ -190,7 +190,7 @@ class MeasuredSurface:
             height = float(heights.max() - heights.mean())
         if self.extent is None:  # cell for cell: sizes are the grid's
             return LengthScales(height=height)
-        varies_along = np.diff(heights, axis=1).any()
+        varies_along = (heights != heights[:, :1]).any()
         return LengthScales(
             shortest_wavelengths=(2 * steps[0], 2 * steps[1] if varies_along else inf),
             period=self.seam.lengths * extent[1] if varies_along else 0.0,

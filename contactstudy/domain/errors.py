@@ -99,7 +99,9 @@ EDGE_ORDER = 0.7
 # had errors of up to half of their bounds.
 STRESS_FLOOR, DEPTH_FLOOR = 5e-4, 6e-3
 # Least change of a number that a bound counts, over the L1 error of the pressure, since all changes may be small by
-# chance: it decides where they are below a tenth of that error.
+# chance. Of 9260 numbers of 1340 smooth and wavy cylinders on 32 to 78 by 16 to 38 cells, against four times the cells
+# along each axis, 27 were beyond their bounds, by up to 2.7 times. Without a least change there were 33, by up to 4.8
+# times; with twice this one 24, by up to 2.1 times, and the median bound was 1.3 times as wide.
 FLOOR = 0.1
 # Least change of an area, of a rolling resistance or of a number left by a plastic zone, over the fraction of its cells
 # that lie at its edge: the edge passes anywhere through such a cell, so that half of the cell is wrong in the mean.

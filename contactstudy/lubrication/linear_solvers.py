@@ -3,10 +3,13 @@
 By elasticity all cells act on each other. The preconditioner has two multiplicative stages. The Fourier stage inverts
 the system averaged over the length, one harmonic at a time: it has the elasticity of long range. In its average, the
 equation of a touching cell is that of its film thickness. The local stage solves for what that leaves, with the
-coefficients of a cell and its neighbours and a small fraction of the elasticity: it has the variation of the conductance
-by orders of magnitude. The equations of touching cells have the preconditioner of the dry contact.
+coefficients of a cell and its neighbours and a small fraction of the elasticity: it has the variation of the
+conductance by orders of magnitude. The equations of touching cells have the preconditioner of the dry contact.
 
-Units are those of :mod:`~contactstudy.lubrication.film_equation`; arrays (x, y) have one value for each cell.
+Units are those of :mod:`~contactstudy.lubrication.film_equation`; arrays (x, y) have one value for each cell. A
+cavitated cell has no pressure, and its void fraction is unknown. A touching cell lies on the boundary film, where
+asperities carry a part of the pressure. The separation is the distance of the bodies. Across is along x, in which the
+surfaces move, and upstream is towards smaller x; along the length is y, periodic.
 """
 
 from collections.abc import Callable
@@ -34,34 +37,38 @@ ELASTIC_FRACTION, WIDTH_FRACTION, PASSES = 0.05, 0.1, 3
 # 0.1 more steps were taken, with 0.01 half as many iterations again; with 1e-2 the active sets of touching cells did
 # not converge on 128 x 32 cells. These and the constants below were chosen on rough films of 64^2 to 256^2 cells.
 TOLERANCE, TOLERANCE_TOUCHING, MAX_RESIDUAL = 3e-2, 1e-3, 0.1
-# Length of the basis of GMRES, and the largest number of cycles of that length.
+# Length of the basis of GMRES, which holds as many numbers for each cell, and the largest number of cycles of that
+# length: most steps take 5 to 40 iterations, and one that takes more than a basis is slow to converge at all.
 BASIS, RESTARTS = 120, 4
 # Harmonics along the length in the Fourier stage, the mean included. Shorter waves follow the conductance, which the
 # local stage has: with 33, light rough films took 1.1 to 3 times the iterations, each 1.5 times as long.
 WAVES = 9
-# The stages are built again when iterations exceed GROWTH times those after the last build plus EXTRA, or when the step
-# in pseudo-time, at most LONGEST_STEP, has changed by the factor STEP_RATIO.
+# The Fourier stage is built again when iterations exceed GROWTH times those after the last build plus EXTRA, without
+# which rough films took a tenth more of them, or when the step in pseudo-time has changed by the factor STEP_RATIO.
+# Steps above LONGEST_STEP count as that, since their squeeze term hardly matters.
 GROWTH, EXTRA, STEP_RATIO, LONGEST_STEP = 1.5, 5, 4.0, 3.0
-# Function that solves for a right-hand side (x, y), approximately.
+# Function from a right-hand side (x, y), the balance of each cell, to an approximate solution (x, y), its unknown.
 LocalStage = Callable[[Array], Array]
 
 
 class ActiveSets(NamedTuple):
-    """Cells (x, y) that are cavitated, and cells in contact at the boundary film (``touching``; none without one)."""
+    """Cells (x, y) that are cavitated, and cells that touch at the boundary film; without one none touch."""
 
     cavitated: Mask
     touching: Mask
 
     def changes(self, sets: "ActiveSets") -> int:
-        """Return the number of differences between these sets and others."""
+        """Return the number of cells that are in one of these sets and not in the same one of others, or the reverse."""
         pairs = zip(self, sets, strict=True)
         return sum(int(np.count_nonzero(ours != theirs)) for ours, theirs in pairs)
 
 
 class FilmCorrection(NamedTuple):
-    """Solution of the linear system of a step: changes of both pressures, of void fraction (x, y) and of separation.
+    """Solution of the linear system of a step: the changes of the film in it.
 
-    ``solved`` is False where the system is singular, or its residual too large; ``iterations`` are linear ones.
+    These are the changes (x, y) of the pressures of lubricant and asperities and of the void fraction, and that of the
+    separation. ``solved`` is False where the system is singular, or its residual above MAX_RESIDUAL. ``iterations`` are
+    those of GMRES, zero in plane strain.
     """
 
     pressure: Array
@@ -73,10 +80,11 @@ class FilmCorrection(NamedTuple):
 
 
 class StepSolver:
-    """Solver of the linear systems of one iteration of Newton, with what the next system may reuse.
+    """Solver of the linear systems of one film, step by step, which keeps what the next system may reuse.
 
-    The Fourier stage was built for ``time_step`` in pseudo-time, and GMRES took ``iterations_at_build`` with it at
-    first. ``last`` is the last system with its solution, ``inverse`` the preconditioner of the dry contact.
+    In plane strain nothing is kept. Else the Fourier stage was built for a ``time_step`` in pseudo-time, and GMRES took
+    ``iterations_at_build`` with it at first; both stages and counts are None before. ``last`` is the last system with
+    its solution, ``inverse`` the preconditioner of the dry contact.
     """
 
     def __init__(self) -> None:
@@ -87,7 +95,17 @@ class StepSolver:
         self.inverse: ApproximateInverse | None = None
 
     def step(self, linear: Linearised, film: Film, active: ActiveSets, load_residual: float) -> FilmCorrection:
-        """Return the step for given sets: without pressure in cavitated cells, at the boundary film in touching ones."""
+        """Return the step for given sets: without pressure in cavitated cells, at the boundary film in touching ones.
+
+        Parameters
+        ----------
+        linear
+            Flow balance with its derivatives at ``film``, and the squeeze term of the step in pseudo-time.
+        film, active
+            The film before the step, and the sets that hold after it.
+        load_residual
+            Load that the film does not carry yet, over ``p_H a``.
+        """
         equation, (cavitated, touching) = linear.equation, active
         # prescribed changes: pressures and voids that vanish
         pressure = np.where(cavitated, -film.pressure, 0.0)
@@ -100,9 +118,11 @@ class StepSolver:
         change = linear.change_with(pressure, void, np.where(touching, to_boundary, deflection))
         remaining_load = load_residual - system.mean * total.sum()
         right = system.stacked(-(linear.residual + change), to_boundary - deflection, system.flow * remaining_load)
-        solve = system.eliminate if touching.shape[1] == 1 else lambda right: self._gmres(system, right)
         try:
-            unknowns, solved, count = solve(right)
+            if touching.shape[1] == 1:
+                unknowns, solved, count = system.eliminate(right), True, 0
+            else:
+                unknowns, solved, count = self._gmres(system, right)
         except (np.linalg.LinAlgError, RuntimeError):  # the system or a stage is singular
             self.fourier, unknowns, solved, count = None, np.zeros_like(right), False, 0
         change_of_pressure, change_of_void, touching_pressure, separation = system.split(unknowns)
@@ -113,7 +133,8 @@ class StepSolver:
     def _gmres(self, system: "StepSystem", right: Array) -> tuple[Array, bool, int]:
         """Return the unknowns for a right-hand side, whether their residual is small enough, and the iterations.
 
-        GMRES starts from the solution for the last sets, if the linearised balance is the same.
+        Both vectors are those of :meth:`StepSystem.stacked`. GMRES starts from the solution for the last sets, if the
+        linearised balance is the same.
         """
         touching, linear = system.touching, system.linear
         if not (norm := float(np.linalg.norm(right))):
@@ -193,7 +214,7 @@ class StepSystem:
 
     @cached_property
     def flow(self) -> float:
-        """Largest flow through a face."""
+        """Largest flow through a face across, by which the row of the load is scaled as the rows of the balances are."""
         return float(np.abs(self.linear.flux[1:-1]).max())
 
     @property
@@ -202,7 +223,10 @@ class StepSystem:
         return float(self.linear.equation.cell[0] / self.full_film.shape[1])
 
     def stacked(self, cells: Array, touching: Array, last: float) -> Array:
-        """Return a vector of values of cells (x, y), of touching cells (x, y), and of the separation or the load."""
+        """Return a vector of values of cells (x, y), of touching cells (x, y), and of the separation or the load.
+
+        Of the second array it takes the touching cells alone.
+        """
         return np.concatenate((cells.ravel(), touching[self.touching], [last]))
 
     def unstacked(self, values: Array) -> tuple[Array, Array, float]:
@@ -230,8 +254,8 @@ class StepSystem:
         balance = self.linear.change_with(pressure, void, np.where(self.touching, 0.0, film))
         return self.stacked(balance, film, self.flow * self.mean * total.sum())
 
-    def eliminate(self, right: Array) -> tuple[Array, bool, int]:
-        """Return the unknowns for a right-hand side in plane strain by Gaussian elimination, True, and 0 iterations.
+    def eliminate(self, right: Array) -> Array:
+        """Return the unknowns for a right-hand side in plane strain by Gaussian elimination of the matrix of `product`.
 
         Raises ``numpy.linalg.LinAlgError`` for a singular system.
         """
@@ -255,15 +279,16 @@ class StepSystem:
                 matrix[cells, cells + offset[0]] += coefficient[cells, 0]
         scale = np.maximum(matrix.max(axis=1), -matrix.min(axis=1))
         matrix /= scale[:, None]
-        return np.linalg.solve(matrix, right / scale), True, 0
+        return np.asarray(np.linalg.solve(matrix, right / scale))
 
 
 def local_stage(system: StepSystem) -> LocalStage:
-    """Return the stage for unknown pressures, and void fractions of cavitated cells.
+    """Return the local stage, which solves for pressures, and void fractions of cavitated cells.
 
-    It is Gauss-Seidel by lines across the contact. Sparse LU factors of 800 x 128 cells cost as much as 35 iterations,
-    and solve in six times the time of the lines. They serve where cells touch: lubricant flows around these, and lines
-    took up to a hundred times the iterations.
+    Its matrix has bands for a cell, its neighbours and the second cell upstream. It is Gauss-Seidel by lines across the
+    contact. Sparse LU factors of 800 x 128 cells cost as much as 35 iterations, and solve in six times the time of the
+    lines. They serve where cells touch: lubricant flows around these, and lines took up to a hundred times the
+    iterations.
 
     Raises ``RuntimeError`` for a singular system.
     """
@@ -284,6 +309,8 @@ def local_stage(system: StepSystem) -> LocalStage:
 
 def _by_lines(bands: Bands) -> LocalStage:
     """Return Gauss-Seidel by lines across the contact, with the factors of every second line as one banded matrix.
+
+    Lines of even and of odd numbers are solved in turn, PASSES times, each with the last solution of the other ones.
 
     Raises ``RuntimeError`` for a singular system.
     """
@@ -338,11 +365,11 @@ def _by_factors(bands: Bands) -> LocalStage:
 
 @dataclass(frozen=True, eq=False)
 class FourierStage:
-    """Inverses (x, x) of the system averaged over the length, one for each harmonic.
+    """Inverses of the system averaged over the length, one for each harmonic along it.
 
-    That of the ``mean`` has the separation and the load as a last column and row; ``waves`` (harmonic, x, x) are the
-    others, in single precision. ``scale`` (harmonic, x) are the largest coefficients of the rows, which are divided by
-    them.
+    The inverse ``mean`` (x + 1, x + 1) is that of the mean over the length; it has the separation and the load as a
+    last column and row. ``waves`` (harmonic, x, x) are those of the other harmonics, in single precision. ``scale``
+    (harmonic, x) are the largest coefficients of the rows, which are divided by them, the mean included.
     """
 
     mean: Array

@@ -1,4 +1,9 @@
-"""Film equation of a scene in Hertz units, its coarser grids, and films to start from."""
+"""Film equation of a scene in Hertz units, its coarser grids, and films to start from.
+
+Hertz units are those of :mod:`~contactstudy.lubrication.film_equation`: [a] is a length over Hertz's half-width. The
+dry contact is that of the same bodies without lubricant. Across is along x, in which the surfaces move; along the
+length is y, and one cell along it is plane strain.
+"""
 
 from collections import defaultdict
 from collections.abc import Callable
@@ -26,20 +31,26 @@ from contactstudy.scene.solids.bodies import creeps, hertz_line, instantaneous, 
 from contactstudy.scene.solids.inelastic import rolling_bodies
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
-# End of the outlet from the end of the dry contact, or of the half-width that carries load, over that half-width.
+# Distance of the outlet from the end of the dry contact, or of the half-width that carries load, over that half-width.
+# Cells further downstream only cost time: where the pressure reaches the outlet, it is moved to the end of the grid.
 OUTLET = 0.5
-# Tolerance of the dry contact that a film starts from.
+# Tolerance of the dry contact that a film starts from; with 1e-6 and 1e-2 films take as many steps.
 DRY_TOLERANCE = 1e-4
-# The central film is a mean to this fraction of the half-width from the middle of the contact, where the gap there is no
-# parabola up to the fraction SMOOTH of the film.
+# The central film is a mean to this fraction of the half-width from the middle of the contact, if the gap there differs
+# from a parabola by more than the fraction SMOOTH of the film, which is far below the error of a film on usual cells.
 MIDDLE, SMOOTH = 0.5, 1e-3
-# Least width of a grid over that of the pressure.
+# Least width of a grid over that of the pressure: room for a short inlet, whose error the answer states.
 MIN_WIDTH = 1.2
-# A gap that varies along the length by more than CROWNED [a^2 / R] is that of a crowned roller; by more than SHARP_END
-# [film], or the fraction CLIFF of its length, that of a roller with a sharp end.
-CROWNED, SHARP_END, CLIFF = 0.5, 300.0, 0.5
-# Least cells of the coarsest grid: across in plane strain, else across and along. Cells across are a multiple of the
-# last.
+# A gap that varies along the length by more than CROWNED [a^2 / R] is that of a crowned roller: across, the gap of a
+# cylinder rises by as much from its axis to the edge of Hertz's contact. From the start of a cylinder, the film of a
+# crowned roller took nine times as long.
+CROWNED = 0.5
+# A gap that varies along the length by more than SHARP_END [a^2 / R], or by the fraction CLIFF of the roller's length,
+# is that of a sharp end: no profile of a roller is as deep.
+SHARP_END, CLIFF = 300.0, 0.5
+# Least cells of the coarsest grid: across in plane strain, else across and along. With twice COARSEST smooth films took
+# 1.5 times the steps; half and twice the others change the time of rough films by less than a fifth. The number of
+# cells across is a multiple of ROW_MULTIPLE, so that it can be halved three times.
 COARSEST, COARSEST_ROUGH, COARSEST_ALONG, ROW_MULTIPLE = 200, 48, 16, 8
 
 
@@ -65,9 +76,9 @@ class PosedFilm:
 
     ``x`` are the positions across of its cells over a, and ``operator_on`` makes the deflection in Hertz units on
     another grid. ``problem`` is the dry contact on the whole grid, with the even part of ``displacement`` [m] under a
-    pressure [Pa]; ``dry_pressure`` (x, y) [Pa] is its pressure. ``instant`` are the scales of this load and speed, where
-    ``scales`` are those of the largest. ``creep`` is the odd part of the displacement, that of each body times the speed
-    [m/s] of its surface; None without creep.
+    pressure [Pa]; ``dry_pressure`` (x, y) [Pa] is its pressure. ``instant`` are the scales of this load and speed,
+    where ``scales`` are those of the largest. ``creep`` is the odd part of the displacement, that of each body times
+    the speed [m/s] of its surface; None without creep.
     """
 
     equation: FilmEquation
@@ -110,8 +121,8 @@ class PosedFilm:
     def central_weights(self, film: float) -> Array:
         """Return the weights (x,) of the cells in the central film, if that is about ``film`` [m].
 
-        On the axis of a smooth contact they are those of a cubic. Where heights vary, they are a mean over the middle of
-        the contact, in which a wave of any phase hardly counts.
+        On the axis of a smooth contact they are those of a cubic. Where heights vary, they are a mean over the middle
+        of the contact, in which a wave of any phase hardly counts.
         """
         x = self._from_middle
         if np.abs(self._heights(MIDDLE)).max() > SMOOTH * film:

@@ -11,8 +11,8 @@ inequalities by primal-dual active sets (Hintermueller, Ito & Kunisch 2002). One
 3. Damp the step so that film and viscosity change within their limits, or reject it.
 4. Choose the next step in pseudo-time by the ratio of the residuals.
 
-Units are those of :mod:`~contactstudy.lubrication.film_equation`: time over a / u_m, with the mean speed u_m. H_b is the
-boundary film, M and L are the parameters of Moes (1992).
+Units are those of :mod:`~contactstudy.lubrication.film_equation`: time over a / u_m, with the mean speed u_m. H_b is
+the boundary film, M and L are the parameters of Moes (1992).
 """
 
 from collections.abc import Callable
@@ -26,7 +26,8 @@ from contactstudy.domain.grid import Array
 from contactstudy.lubrication.film_equation import Film, FilmEquation, Linearised, Mask, SqueezeTerm
 from contactstudy.lubrication.linear_solvers import ActiveSets, FilmCorrection, StepSolver
 
-# Rounding of a pressure over the pressure, and of a film thickness over the largest height.
+# Rounding of a pressure over the pressure, and of a film thickness over the largest height: four units in the last
+# place, for the sums of which a thickness is made.
 ROUNDING = 4 * float(np.finfo(float).eps)
 # The constants below were chosen by counts of steps on 70 smooth points, with M 1 to 1000 and L 0 to 20 on 100 to 800
 # cells, and on 75 rough films, all from cold starts.
@@ -40,8 +41,8 @@ CLIPPED = 2e-3
 # residual falls, or rises by no more than the factor ALLOWED_RISE. With that, beside an ALLOWED_RISE of 1, steps at 210
 # points fell from 2883 to 2426.
 AFTER_DAMPING, MIN_GROWTH, ALLOWED_RISE = 0.7, 2.0, 1.1
-# Damping factor below which a step is rejected, the factor of the step in pseudo-time then, and the step where the
-# iteration ends.
+# Damping factor below which a step is rejected, since a shorter step in pseudo-time costs less than twenty damped ones;
+# the factor of the step in pseudo-time then; and the step where the iteration ends, far below any that led to a film.
 MIN_DAMPING, REJECTED, LEAST_TIME_STEP = 0.05, 0.25, 1e-9
 # Largest change of ln(eta) in a step, to which it is damped, of a film that varies along its length or on which
 # asperities may touch. Smooth films in plane strain need no limit: with it they took 2.3 times the steps.
@@ -72,8 +73,10 @@ class FilmControls:
 
     Attributes
     ----------
-    tolerance, max_iterations
-        Residual of convergence, and the most steps.
+    tolerance
+        Residual, as in :class:`FilmIteration`, up to which a film counts as converged.
+    max_iterations
+        The most steps.
     time_step
         First step in pseudo-time [a / u_m].
     progress
@@ -88,7 +91,13 @@ class FilmControls:
 
 @dataclass(frozen=True, eq=False)
 class FilmIteration:
-    """Last film of an iteration with its linearisation, active sets and residual, and the numbers of iterations."""
+    """Last film of an iteration, converged or not.
+
+    ``linear`` is the flow balance with its derivatives at the ``film``, ``active`` are its active sets. ``residual`` is
+    the largest of the unbalanced flow over the flow, the missing load over ``p_H a``, and the violation of the
+    conditions of contact. ``iterations`` are the steps, rejected ones too, ``linear_iterations`` those of GMRES in all
+    of them.
+    """
 
     film: Film
     linear: Linearised
@@ -127,7 +136,15 @@ def iterate(
 ) -> FilmIteration:
     """Return the film after the iteration from ``start``: converged, stagnated, at the limit, or with vanishing steps.
 
-    ``cavitated`` are the cells that are cavitated at first, none by default.
+    Parameters
+    ----------
+    equation, start, controls
+        What is solved, the film to start from, and when to stop.
+    squeeze
+        Squeeze term of a film in time; None for a steady film.
+    cavitated
+        Cells (x, y) that are cavitated at first. By default none, unless the start has voids or asperities that carry
+        load: then the cells without pressure.
     """
     linear = equation.linearise(start, squeeze)
     active, solver = _initial_active_sets(equation, start, cavitated), StepSolver()
@@ -166,7 +183,7 @@ def iterate(
 
 
 def _next_time_step(time_step: float, before: float, residual: float, damping: float) -> float:
-    """Return the next step in pseudo-time, after one with a damping factor that led ``before`` to ``residual``."""
+    """Return the next step in pseudo-time, after one that led from the residual ``before`` to the ``residual``."""
     factor = float(np.clip(before / residual, SHRINK, GROW)) if residual else GROW
     if damping < 1:
         factor = min(factor, AFTER_DAMPING)
@@ -178,7 +195,8 @@ def _next_time_step(time_step: float, before: float, residual: float, damping: f
 def _residual(linear: Linearised, film: Film) -> float:
     """Return the largest of the unbalanced flow over the flow, the missing load over ``p_H a``, and errors of contact.
 
-    These are on a boundary film: the largest over the cells of ``min(|H / H_b - 1|, P_c)``, and of ``1 - H / H_b``.
+    The errors of contact, on a boundary film, are the largest over the cells of ``min(|H / H_b - 1|, P_c)`` and of
+    ``1 - H / H_b``, with the film thickness H and the pressure P_c of asperities over p_H.
     """
     unbalanced = float(np.abs(linear.residual).sum() / _flow(linear))
     residual = max(unbalanced, abs(linear.equation.load_residual(film)))
@@ -214,7 +232,7 @@ class _ActiveSetStep(NamedTuple):
 
 
 def _step_of_active_sets(last: FilmIteration, solver: StepSolver, time_step: float) -> _ActiveSetStep:
-    """Return a step in pseudo-time whose active sets are corrected until they hold, recur, or at the limit."""
+    """Return a step in pseudo-time whose active sets are corrected until they hold, recur, or at the most iterations."""
     film, next_active, iterations = last.film, last.active, 0
     linear = last.linear.with_time_step(
         1 / time_step, _height_off_boundary(last.linear.equation, film), _artificial_storage(last)
@@ -268,8 +286,8 @@ def _height_off_boundary(equation: FilmEquation, film: Film) -> Array:
 def _artificial_storage(last: FilmIteration) -> Array | float:
     """Return the content (x, y) that a unit pressure adds to cells in contact or near it, by artificial compressibility.
 
-    The film of touching cells is given, and hardly any lubricant flows in them: without this their pressure would change
-    without limit in a short step in pseudo-time. It has no effect on a steady film.
+    The film of touching cells is given, and hardly any lubricant flows in them: without this their pressure would
+    change without limit in a short step in pseudo-time. It has no effect on a steady film.
     """
     touching, boundary = last.active.touching, last.linear.equation.boundary_film
     if not touching.any():
@@ -279,7 +297,7 @@ def _artificial_storage(last: FilmIteration) -> Array | float:
 
 
 def _corrected_active_sets(last: FilmIteration, active: ActiveSets, change: FilmCorrection) -> ActiveSets:
-    """Return the active sets after an undamped step."""
+    """Return the active sets that the film would have after an undamped step."""
     film, equation = last.film, last.linear.equation
     cavitated = np.where(active.cavitated, film.void + change.void >= 0, film.pressure + change.pressure < 0)
     cavitated &= ~equation.fixed

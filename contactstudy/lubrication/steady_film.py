@@ -40,8 +40,8 @@ SWEEP, INLET_ERROR = 0.94, 0.9
 # on cells wider than the inlet sweep, or if it rises by more than UNRESOLVED_RISE of itself from its lowest cell to the
 # next.
 STARVED, UNRESOLVED_RISE = 0.05, 0.5
-# First step in pseudo-time after a coarser grid. On rough films a hundredth of it took 1.3 to 4 times as long, and ten
-# times it needed hundreds of linear iterations in its first steps.
+# First step in pseudo-time after a coarser grid [a / u_m], with the mean speed u_m. On rough films a hundredth of it
+# took 1.3 to 4 times as long, and ten times it needed hundreds of linear iterations in its first steps.
 STEP_AFTER_COARSER = 0.3
 # In plane strain a second film is sought where the rms height is more than ROUGH times the film, by heights that grow
 # from that by the factor GROWTH. Two films are distinct by more than DISTINCT in their mean thickness, relative, or in
@@ -51,8 +51,8 @@ ROUGH, GROWTH, DISTINCT = 2.0, 1.25, 0.01
 # and least factor of a decrease. Those with asperities, and the constants below, were chosen by what converges on
 # ridges at 1 to 1e-6 times a speed, at which Moes's load parameter was 20 and 100.
 SPEEDS, MIXED_SPEEDS = (10.0, 4, 1.05), (1.3, 5, 1.02)
-# First step in pseudo-time from the dry contact, which is nearly Newton's: 5 to 9 steps where asperities carry more than
-# 0.88 of the load; and the residual of that dry contact.
+# First step in pseudo-time from the dry contact, which is nearly Newton's: 5 to 9 steps where asperities carry more
+# than 0.88 of the load; and the residual of that dry contact.
 FROM_DRY, DRY_RESIDUAL = 10.0, 1e-10
 # Factors on the speed of the films and the dry contacts from which other films are sought: of eight speeds of three
 # waves, where two films were known, one or both led to the other.
@@ -126,9 +126,9 @@ def _first_converged(films: Iterable[FilmIteration], tolerance: float) -> FilmIt
 def _films(posed: PosedFilm, controls: FilmControls, before: FilmSolution | None = None) -> Iterator[FilmIteration]:
     """Iterate over films from several starts, the best first: one `before`, cold starts, and higher speeds.
 
-    On a boundary film the cold starts are the film of the lubricant alone where that is thicker, Hertz's pressure on the
-    film of Moes, and the dry contact, which comes first where the film of Moes is thinner than the boundary film. In
-    plane strain alone it is followed from higher speeds.
+    On a boundary film the cold starts are the film of the lubricant alone where that is thicker, Hertz's pressure on
+    the film of Moes, and the dry contact, which comes first where the film of Moes is thinner than the boundary film.
+    In plane strain alone it is followed from higher speeds.
     """
     equation, is_thick = posed.equation, posed.scales.expected_film > posed.equation.boundary_film
     if before is not None:

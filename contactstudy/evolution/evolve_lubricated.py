@@ -318,8 +318,8 @@ class _FilmStepper(MarchState):
                 f"Scene.lubrication.mean_speed is 0 at the first time, {start:g} s, when no film is steady: give a "
                 "value above 0, or a later first time."
             )
-        last = continued(now, FilmControls(tolerance=tolerance))
-        instant = _Instant(start / time_unit, last, now.equation.content(last.film))
+        steady = continued(now, FilmControls(tolerance=tolerance))
+        instant = _Instant(start / time_unit, steady, now.equation.content(steady.film))
         return replace(stepper, past=(instant,), now=now)
 
     @property
@@ -332,15 +332,15 @@ class _FilmStepper(MarchState):
         return longest
 
     @property
-    def last(self) -> FilmIteration:
-        """Iteration of the last instant."""
+    def iteration(self) -> FilmIteration:
+        """Iteration of the last instant, with its film."""
         return self.past[0].iteration
 
     @property
     def work(self) -> Counter[str]:
         """Iterations of the last step."""
-        last = self.last
-        return Counter(iterations=last.iterations, linear_iterations=last.linear_iterations)
+        iteration = self.iteration
+        return Counter(iterations=iteration.iterations, linear_iterations=iteration.linear_iterations)
 
     def advanced(self, end: float) -> "_FilmStepper":
         """Return the film after a step to `end` [s].
@@ -358,13 +358,13 @@ class _FilmStepper(MarchState):
         step, time = length / self.time_unit, end / self.time_unit
         controls = FilmControls(tolerance=self.tolerance, max_iterations=MAX_ITERATIONS, time_step=PSEUDO_TIME_STEP)
         squeeze = self._squeeze_term(step, [instant.content for instant in self.past])
-        last = iterate(
-            now.equation, self._expected(now, time), controls, squeeze=squeeze, cavitated=self.last.cavitated
+        iteration = iterate(
+            now.equation, self._expected(now, time), controls, squeeze=squeeze, cavitated=self.iteration.cavitated
         )
-        thickness = last.film.thickness
+        thickness = iteration.film.thickness
         of_film = self._squeeze_term(step, [instant.iteration.film.thickness for instant in self.past])
         rate = of_film.rate * thickness + of_film.history
-        instant = _Instant(time, last, now.equation.content(last.film), rate)
+        instant = _Instant(time, iteration, now.equation.content(iteration.film), rate)
         error = 0.0
         if len(self.past) > 2:
             from_axis = np.abs(now.x)
@@ -372,7 +372,7 @@ class _FilmStepper(MarchState):
             inside = (from_axis < 1) | (from_axis == from_axis.min())
             change = np.abs(thickness - self._extrapolated(time, "thickness"))[inside].mean()
             error = ERROR_OF_STEP * float(change / thickness[inside].mean())
-        error = error if last.converged(self.tolerance) else inf
+        error = error if iteration.converged(self.tolerance) else inf
         return replace(self, time=end, past=(instant, *self.past[:2]), now=now, distance=distance, change=error)
 
     @cached_property
@@ -381,7 +381,7 @@ class _FilmStepper(MarchState):
         rate, now = self.past[0].rate, self.now
         unit = now.scales.film / self.time_unit
         return film_solution(
-            self.scene, self.grid, self.padding, now, self.last, self.tolerance,
+            self.scene, self.grid, self.padding, now, self.iteration, self.tolerance,
             None if rate is None else unit * rate,
         )  # fmt: skip
 
@@ -433,9 +433,9 @@ class _FilmStepper(MarchState):
         Where the prediction is too thin, it is the pressure of the last instant, with the surfaces so far apart that the
         film is thick enough.
         """
-        last = self.last.film
+        last = self.iteration.film
         pressure = np.maximum(self._extrapolated(time, "pressure"), 0)
-        pressure[self.last.cavitated | now.equation.fixed] = 0
+        pressure[self.iteration.cavitated | now.equation.fixed] = 0
         void = np.where(pressure > 0, 0, last.void)
         separation = float(self._extrapolated(time, "separation").flat[0])
         film = now.equation.film_of(pressure, void, separation)

@@ -134,15 +134,15 @@ def follow_load(
     InvalidInput
         If the load changes too fast for a body that creeps to roll steadily, or times decrease or begin before the load.
     """
-    load = scene.load
-    assert isinstance(load, ChangingLoad)
-    turns = load.turning_points(schedule(load, times)[-1].time)
-    start, *later = schedule(load, times, turns=turns)
+    history = scene.load
+    assert isinstance(history, ChangingLoad)
+    turns = history.turning_points(schedule(history, times)[-1].time)
+    start, *later = schedule(history, times, turns=turns)
     points = [replace(start, before=start.after), *later]  # no load jumps at the start
     elastic = scene
     if (speed := scene.rolling_speed) is not None:
         if any(map(creeps, scene.solids)):
-            check_slow("Scene.rolling", speed, load, scene.hertz)
+            check_slow("Scene.rolling", speed, history, scene.hertz)
         elastic = replace(scene, rolling=None, solids=instantaneous(scene.solids))
     adhesive_solver: Any = None
     if scene.adhesion is not None:
@@ -150,25 +150,25 @@ def follow_load(
     else:  # the contact does not depend on those before: only what is recorded is solved
         recorded = [point for point in points if point.times_recorded]
         points = [point if point.times_recorded == 2 else replace(point, before=point.after) for point in recorded]
-    largest = replace(elastic, load=LineLoad(load.largest)).problem(grid, padding)
+    largest = replace(elastic, load=LineLoad(history.largest)).problem(grid, padding)
     posed = PosedScene(scene, grid, padding)
 
-    def solved(time: float, value: float, last: Frame | None) -> Frame:
-        """Return the contact at a `time` [s] under a load of this `value` [N/m], from the `last` one before."""
+    def solved(time: float, load: float, last: Frame | None) -> Frame:
+        """Return the contact at a `time` [s] under a `load` [N/m], from the `last` one before."""
         solution: Solution
         rolling, solves = None, 1
-        if value == 0 and adhesive_solver is None:
+        if load == 0 and adhesive_solver is None:
             solution = unloaded(replace(largest, control=PrescribedLoad(0.0), description=posed))
         elif speed is not None and adhesive_solver is None:
-            rolling = solve_rolling(_under(scene, value), grid, padding, options=options)
+            rolling = solve_rolling(_under(scene, load), grid, padding, options=options)
             solution, solves = rolling.solution, rolling.lagged.outer_iterations
         else:
-            solution = _next_solution(_problem_under(largest, elastic, value, adhesive_solver), last, options)
+            solution = _next_solution(_problem_under(largest, elastic, load, adhesive_solver), last, options)
             if speed is not None:  # elastic bodies, which roll without resistance
                 rolling = SteadyRolling(LaggedSolution(solution), {}, partial(solve_rolling, scene, padding=padding))
         if solution.adhesion is not None:
             solves = solution.adhesion.outer_iterations
-        return frame_of(solution, time=time, load=value, solves=solves, rolling=rolling)
+        return frame_of(solution, time=time, load=load, solves=solves, rolling=rolling)
 
     first = points[0]
     at_first = QuasiStatic[Frame](time=first.time, contacts=(solved(first.time, first.after, None),))

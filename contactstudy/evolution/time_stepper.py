@@ -162,7 +162,7 @@ class Frame(Solution):
 
 def frame_of(solution: Solution, **further_fields: Any) -> Frame:
     """Return `solution` as a frame, with `further_fields` of :class:`Frame`, or others in place of its own."""
-    values = {each.name: getattr(solution, each.name) for each in fields(Solution)}
+    values = {member.name: getattr(solution, member.name) for member in fields(Solution)}
     return Frame(**values | further_fields)
 
 
@@ -369,13 +369,12 @@ class TimeStepper:
         has_converged = True
         while True:
             problem = self._problem_at_end(instant, step)
-            last = solutions[-1].pressure if solutions else instant.pressure
-            if self.coupled is not None:
-                before = instant.states[-1]
-                solution, state = self._coupled_step(self.coupled, before, problem, last)
-                coupled = (state,)
+            pressure = solutions[-1].pressure if solutions else instant.pressure
+            if self.coupled is None:
+                solution = solved_or_unloaded(self.options, problem, pressure)
             else:
-                solution = solved_or_unloaded(self.options, problem, last)
+                solution, strain = self._coupled_step(self.coupled, instant.states[-1], problem, pressure)
+                coupled = (strain,)
             solutions.append(solution)
             net = net_pressure(solution.pressure, solution.adhesion)
             states = tuple(
@@ -384,18 +383,16 @@ class TimeStepper:
             )
             if self.fretting is None:
                 break
-            *others, guess = instant.states
-            better = self.fretting.next_iterate(guess, states[-1], self.options.tolerance)
-            has_converged = better is guess
+            *others, fretting = instant.states
+            iterate = self.fretting.next_iterate(fretting, states[-1], self.options.tolerance)
+            has_converged = iterate is fretting
             if has_converged or len(solutions) == MAX_FIXED_POINT_ITERATIONS:
                 break
-            instant = replace(instant, states=(*others, better))
-        if self.coupled is not None:
-            parts = zip(self.state_variables, instant.states, states, strict=False)
-            for variable, before, after in parts:
-                if isinstance(variable, WearState):
-                    depth = after["wear_depth"] - before["wear_depth"]
-                    coupled = (self.coupled.worn(coupled[0], variable.body, depth),)
+            instant = replace(instant, states=(*others, iterate))
+        for variable, before, after in zip(self.state_variables, instant.states, states, strict=False):
+            if self.coupled is not None and isinstance(variable, WearState):
+                depth = after["wear_depth"] - before["wear_depth"]
+                coupled = (self.coupled.worn(coupled[0], variable.body, depth),)
         if not has_converged and solution.status.has_converged:
             solution = replace(solution, status=Status.NOT_CONVERGED)
         if self.fretting is not None and solution.status.has_converged:

@@ -236,10 +236,14 @@ def _of_dents(fields: Mapping[str, Field]) -> dict[str, Quantity]:
     for name, field in fields.items():
         if name.startswith("residual_displacement"):
             suffix = name.removeprefix("residual_displacement")
-            of = f" of solids[{suffix[1:]}]" if suffix else ""
+            body = f" of solids[{suffix[1:]}]" if suffix else ""
             for quantity, label, value in (
-                ("dent_depth", f"depth of the dent{of} at the end, below the undeformed surface", field.values.max()),
-                ("shoulder_height", f"height of its shoulders{of}, above the undeformed surface", -field.values.min()),
+                ("dent_depth", f"depth of the dent{body} at the end, below the undeformed surface", field.values.max()),
+                (
+                    "shoulder_height",
+                    f"height of its shoulders{body}, above the undeformed surface",
+                    -field.values.min(),
+                ),
             ):
                 quantities[quantity + suffix] = Quantity(float(value), "m", label)
     return quantities
@@ -250,9 +254,9 @@ def _of_residual_stress(fields: Mapping[str, Field]) -> dict[str, Quantity]:
     quantities = {}
     for name, stress in fields.items():
         if name.startswith("residual_stress"):
-            of = f" of solids[{name[-1]}]" if name[-1].isdigit() else ""
+            body = f" of solids[{name[-1]}]" if name[-1].isdigit() else ""
             for end, extreme in (("highest", np.max), ("lowest", np.min)):
-                label = f"{end} residual stress{of}, across or along"
+                label = f"{end} residual stress{body}, across or along"
                 value = float(extreme(stress.values[-1, :2]))
                 quantities[f"{end}_{name}"] = Quantity(value, "Pa", label)
     return quantities

@@ -470,7 +470,7 @@ def evolve(
         request = scene, grid, padding, instants, error, error_estimator, scheme, options
         with Checkpoint.open(Path(folder), request) as checkpoint:
             _run_in(checkpoint, march, steps)
-    return Trajectory(tuple(march.results), march.at.total, PosedScene(scene, grid, padding), stepper.coupled)
+    return Trajectory(tuple(march.results), march.position.total, PosedScene(scene, grid, padding), stepper.coupled)
 
 
 T = TypeVar("T")
@@ -603,7 +603,7 @@ def _converter() -> Any:
 class _Saved:
     """Position of a march to go on from, the errors of its method there, and the number of its frames until there."""
 
-    at: Position[Instant]
+    position: Position[Instant]
     errors: Errors
     frames: int
 
@@ -612,20 +612,23 @@ def _run_in(checkpoint: Checkpoint, march: March[Instant, Frame], steps: DryStep
     """Run a march from where the folder of a checkpoint holds it, or else from its start, and keep it there."""
     if (checkpoint.folder / STATE_FILE).exists():
         saved = checkpoint.read(STATE_FILE, _Saved)
-        march.at, steps.errors = saved.at, saved.errors
+        march.position, steps.errors = saved.position, saved.errors
         frames = (checkpoint.read(FRAME_FILE.format(n), Frame) for n in range(saved.frames))
         march.results += [replace(frame, problem=steps.stepper.problem) for frame in frames]
     written = list(march.results)
 
     def save() -> None:
-        """Write the frames that are new, and what the march needs to go on: not the solutions on the way."""
-        frames, at = march.results, march.at
+        """Write the frames that are new, and then the position, which counts them, without the solutions on the way.
+
+        A march that has started again has new frames from the first on.
+        """
+        frames, position = march.results, march.position
         for number, frame in enumerate(frames):
             if number >= len(written) or written[number] is not frame:
                 checkpoint.write(FRAME_FILE.format(number), frame)
         written[:] = frames
-        coarse = None if at.coarse is None else at.coarse.without_solutions()
-        bare = replace(at, fine=at.fine.without_solutions(), coarse=coarse)
+        coarse = None if position.coarse is None else position.coarse.without_solutions()
+        bare = replace(position, fine=position.fine.without_solutions(), coarse=coarse)
         checkpoint.write(STATE_FILE, _Saved(bare, steps.errors, len(frames)))
 
     march.run(save)

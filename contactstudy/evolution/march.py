@@ -321,6 +321,7 @@ class MarchState:
         return Counter(counts | {"solves": sum(getattr(contact, "solves", 1) for contact in solved)})
 
 
+# State of a method, and what it makes of a record.
 S = TypeVar("S", bound=MarchState)
 R = TypeVar("R")
 
@@ -445,7 +446,7 @@ class Position(Generic[S]):
     fine, coarse
         States after short and after doubled steps; None without doubled steps.
     control
-        Control of the length of pairs of steps; None steps from one point to the next.
+        Control of the length of pairs of steps, stricter after each new start; None steps from one point to the next.
     pair_length
         Longest length [s] of the next pair of steps.
     statuses
@@ -488,7 +489,7 @@ class March(Generic[S, R]):
         Control of the length of pairs of steps at first; None steps from one point to the next.
     progress
         Called with the time since the start and that of the whole [s] for each accepted step; None calls nothing.
-    at
+    position
         Where the march stands. It is the start at first; another one is set before :meth:`run`.
     results
         What the method made of the records so far, in the order of time.
@@ -499,7 +500,7 @@ class March(Generic[S, R]):
     points: Sequence[Breakpoint]
     control: Control | None
     progress: Callable[[float, float], None] | None = None
-    at: Position[S] = field(init=False)
+    position: Position[S] = field(init=False)
     results: list[R] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -507,32 +508,32 @@ class March(Generic[S, R]):
         self._begin(self.control, Counter())
 
     def _begin(self, control: Control | None, total: Counter[str]) -> None:
-        """Stand at the start, after the `total` work of marches given up, and forget what was recorded."""
+        """Go to the start, after the `total` work of marches that were given up, and forget what was recorded."""
         fine, coarse = self.method.begin(self.start)
         length = inf if control is None else min(control.first, control.longest)
-        self.at = Position(fine, coarse, control, length, list(self.start.statuses), total + self.start.work)
+        self.position = Position(fine, coarse, control, length, list(self.start.statuses), total + self.start.work)
         self.results = []
 
     def run(self, save: Callable[[], None] | None = None) -> list[R]:
         """March to the last point, or to a step without a solution, and return what the method made of the records.
 
-        `save` is called wherever :attr:`at` is a position to go on from, with nothing left to be recorded at its time.
+        `save` is called wherever a march can go on from :attr:`position`, with nothing left to be recorded at its time.
         """
-        if self.at.fine.change == inf:
-            self._record(self.at.fine, None)
-        while self.at.fine.change < inf and self.at.point_index < len(self.points):
-            if self.at.fine.time < self.points[self.at.point_index].time:
-                self._pair(self.points[self.at.point_index])
-            point = self.points[self.at.point_index]
-            if self.at.fine.time >= point.time and self.at.fine.change < inf:
+        if self.position.fine.change == inf:
+            self._record(self.position.fine, None)
+        while self.position.fine.change < inf and self.position.point_index < len(self.points):
+            if self.position.fine.time < self.points[self.position.point_index].time:
+                self._pair(self.points[self.position.point_index])
+            point = self.points[self.position.point_index]
+            if self.position.fine.time >= point.time and self.position.fine.change < inf:
                 self._arrive(point)
-            if save is not None and self.at.fine.change < inf:
+            if save is not None and self.position.fine.change < inf:
                 save()
         return self.results
 
     def _pair(self, point: Breakpoint) -> None:
         """Take a pair of steps towards `point`, unless its error is too large; a single one without doubled steps."""
-        at, begin, doubled = self.at, self.at.fine, self.at.coarse
+        here, begin, doubled = self.position, self.position.fine, self.position.coarse
         half, end = self._ends(point)
         middle = self._step(begin, half)
         if self._rejects(middle.change, end):
@@ -542,57 +543,57 @@ class March(Generic[S, R]):
             return
         statuses, passed = list(middle.statuses), None
         if half == point.time:
-            at.statuses, statuses = at.statuses + statuses, []
-            at.point_index += 1
+            here.statuses, statuses = here.statuses + statuses, []
+            here.point_index += 1
             passed = self._cut(middle, None) if point.times_recorded else None
         after = self._step(middle, end), self._step(doubled, end)
         error = self.method.error((begin, doubled), middle, after)
         if self._rejects(error, end):
             return
-        if at.control is not None:
+        if here.control is not None:
             # a pair cut short by a point is no measure of the allowed length
-            longer = (end - begin.time) * at.control.factor(error)
-            at.pair_length = min(max(longer, at.pair_length if end == point.time else 0.0), at.control.longest)
+            longer = (end - begin.time) * here.control.factor(error)
+            here.pair_length = min(max(longer, here.pair_length if end == point.time else 0.0), here.control.longest)
         self._accept(begin, middle, after, [*statuses, *after[0].statuses, *after[1].statuses], passed)
 
     def _ends(self, point: Breakpoint) -> tuple[float, float]:
         """Return the times [s] at which the steps of the next pair towards `point` end."""
-        at, now = self.at, self.at.fine.time
+        here, now = self.position, self.position.fine.time
         remaining = point.time - now
-        if at.control is None:
-            if at.coarse is None:
+        if here.control is None:
+            if here.coarse is None:
                 return point.time, point.time
             if self._begins_pair(point):
-                return point.time, self.points[at.point_index + 1].time
+                return point.time, self.points[here.point_index + 1].time
             return (now + point.time) / 2, point.time
-        if at.pair_length >= remaining * (1 - ROUNDING):
+        if here.pair_length >= remaining * (1 - ROUNDING):
             return now + remaining / 2, point.time
-        pair = min(at.pair_length, remaining / 2)
+        pair = min(here.pair_length, remaining / 2)
         return now + pair / 2, now + pair
 
     def _begins_pair(self, point: Breakpoint) -> bool:
         """Return whether a step to `point` makes a pair with the one after it; if not, two steps lead to it."""
         if point is self.points[-1] or point.is_discontinuity or point.times_recorded == 2:
             return False
-        after = self.points[self.at.point_index + 1]
-        ratio = (after.time - point.time) / (point.time - self.at.fine.time)
+        after = self.points[self.position.point_index + 1]
+        ratio = (after.time - point.time) / (point.time - self.position.fine.time)
         # without load both integrations have the same pressure
         return after.before != 0 and max(ratio, 1 / ratio) <= MAX_RATIO_OF_PAIR
 
     def _step(self, state: S, end: float) -> S:
         """Return the state after a step to `end` [s], whose work counts whether it is accepted or not."""
         after = self.method.step(state, end)
-        self.at.total.update(after.work)
+        self.position.total.update(after.work)
         return after
 
     def _rejects(self, error: float, end: float) -> bool:
         """Return whether the pair of steps to `end` [s] is too long for its `error`; the next one is then shorter."""
-        at, pair = self.at, end - self.at.fine.time
+        here, pair = self.position, end - self.position.fine.time
         shortest = SHORTEST if error < inf else SHORTEST_WITHOUT_SOLUTION
-        if at.control is None or error <= at.control.limit or pair <= shortest * self.duration:
+        if here.control is None or error <= here.control.limit or pair <= shortest * self.duration:
             return False
-        at.total["rejected"] += 1
-        at.pair_length = pair * min(at.control.factor(error), MAX_REJECTED_FACTOR)
+        here.total["rejected"] += 1
+        here.pair_length = pair * min(here.control.factor(error), MAX_REJECTED_FACTOR)
         return True
 
     def _accept(
@@ -603,16 +604,16 @@ class March(Generic[S, R]):
         The record `passed` is that of a point in the middle, if there is one. Without doubled steps, and where the first
         step has no solution, `middle` is the state after it.
         """
-        at, fine = self.at, after[0]
-        at.fine, at.coarse = after
-        at.statuses += statuses
+        here, fine = self.position, after[0]
+        here.fine, here.coarse = after
+        here.statuses += statuses
         steps = [fine] if fine is middle else [middle, fine]
         if fine.change < inf:
-            at.total["steps"] += len(steps)
+            here.total["steps"] += len(steps)
             error = self.method.accept(begin, middle, after)
-            if at.control is not None and error > at.control.allowed:
-                at.total["restarts"] += 1
-                self._begin(at.control.stricter(error), at.total)
+            if here.control is not None and error > here.control.allowed:
+                here.total["restarts"] += 1
+                self._begin(here.control.stricter(error), here.total)
                 return
         if passed is not None:
             self.results.append(self.method.recorded(passed, has_failed=fine.change == inf))
@@ -624,48 +625,51 @@ class March(Generic[S, R]):
 
     def _arrive(self, point: Breakpoint) -> None:
         """Record the state at a `point`, before and after a jump there, and go on to the next point."""
-        at = self.at
+        here = self.position
         if point.times_recorded == 2:
-            self._record(at.fine, at.coarse)
+            self._record(here.fine, here.coarse)
         if point.jumps:
             self._jump()
-        at.point_index += 1
-        if at.fine.change == inf:
-            self._record(at.fine, None)
+        here.point_index += 1
+        if here.fine.change == inf:
+            self._record(here.fine, None)
         elif point.times_recorded:
-            self._record(at.fine, at.coarse)
+            self._record(here.fine, here.coarse)
 
     def _jump(self) -> None:
         """Take a jump at the present time in as many increments as the error of a pair allows."""
-        at, begin, doubled = self.at, self.at.fine, self.at.coarse
-        increments, limit = self.method.increments, at.control.limit if at.control else inf
+        here, begin, doubled = self.position, self.position.fine, self.position.coarse
+        increments, limit = self.method.increments, here.control.limit if here.control else inf
         while True:
             fine, coarse = self.method.jump(begin, max(2 * increments, 1)), doubled
-            at.total.update(fine.work)
+            here.total.update(fine.work)
             if fine.change == inf or doubled is None:
                 break
             coarse = self.method.jump(doubled, max(increments, 1))
-            at.total.update(coarse.work)
+            here.total.update(coarse.work)
             error = self.method.error((begin, doubled), fine, (fine, coarse))
             if not increments or error <= limit or increments >= MAX_INCREMENTS:
                 break
-            at.total["rejected"] += 1
+            here.total["rejected"] += 1
             increments *= 2
-        at.fine, at.coarse = fine, coarse
-        at.statuses += fine.statuses
+        here.fine, here.coarse = fine, coarse
+        here.statuses += fine.statuses
         if coarse is not None and coarse is not doubled:
-            at.statuses += coarse.statuses
+            here.statuses += coarse.statuses
         if fine.change < inf:
             self.method.accept(begin, fine, (fine, coarse))
 
     def _cut(self, state: S, coarse: S | None) -> Record[S]:
-        """Return the record of a state, with outcomes and work since the record before, and count anew."""
-        at = self.at
-        record = Record(state, coarse, tuple(at.statuses), at.total - at.recorded_work)
-        at.statuses, at.recorded_work = [], Counter(at.total)
+        """Return the record of a `state` and its `coarse` one, with outcomes and work since the record before.
+
+        Outcomes and work are then counted anew.
+        """
+        here = self.position
+        record = Record(state, coarse, tuple(here.statuses), here.total - here.recorded_work)
+        here.statuses, here.recorded_work = [], Counter(here.total)
         return record
 
     def _record(self, state: S, coarse: S | None) -> None:
-        """Record a state at the present time."""
+        """Add to the results what the method makes of the record of a `state` and its `coarse` one."""
         record = self._cut(state, coarse)
-        self.results.append(self.method.recorded(record, has_failed=self.at.fine.change == inf))
+        self.results.append(self.method.recorded(record, has_failed=self.position.fine.change == inf))

@@ -174,7 +174,7 @@ def follow_load(
     at_first = QuasiStatic[Frame](time=first.time, contacts=(solved(first.time, first.after, None),))
     steps = _LoadSteps(solved, {point.time: point for point in points})
     march = March(steps, at_first, points, None, progress)
-    return Trajectory(tuple(march.run()), march.at.total, posed)
+    return Trajectory(tuple(march.run()), march.position.total, posed)
 
 
 def _under(scene: Scene, load: float) -> Scene:

@@ -80,8 +80,8 @@ class Summed(Heun):
 def test_a_march_whose_error_of_all_steps_is_too_large_starts_again_with_shorter_ones() -> None:
     march = March(Summed(), Decay(), [Breakpoint(2.0, times_recorded=1)], Control(1e-2, 2, 2.0, allowed=1e-4))
     (last,) = march.run()
-    assert march.at.total["restarts"] > 0
-    assert last.work == march.at.total  # with that of the marches given up
+    assert march.position.total["restarts"] > 0
+    assert last.work == march.position.total  # with that of the marches given up
     assert abs(last.state.value - exp(-2.0)) < 1e-4
 
 

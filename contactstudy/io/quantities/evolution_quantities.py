@@ -18,6 +18,7 @@ import numpy as np
 from contactstudy.domain.errors import MARGIN, ErrorParts
 from contactstudy.domain.grid import Array
 from contactstudy.domain.validation import readable
+from contactstudy.evolution.march import kinks
 from contactstudy.io.quantities.quantity import Quantity, per_length, roller_length, with_bound
 from contactstudy.problem.problem import Field
 from contactstudy.scene.loads import ChangingLoad, loads_between
@@ -116,7 +117,7 @@ def _extremes(
     instants, go beyond them. The arguments are those of :func:`evolution_quantities`.
     """
     quantities = {}
-    reason, kinks = _beyond_recorded(times, scene)
+    reason, at_kinks = _beyond_recorded(times, scene)
     for name, extreme, label in EXTREMES:
         known = [(frame[name], time) for frame, time in zip(frames, times, strict=True) if name in frame]
         if not known:
@@ -129,7 +130,9 @@ def _extremes(
         before, after = bisect_left(instants, time) - 1, bisect_right(instants, time)
         if name in ranges:
             beyond = abs(extreme([*ranges[name], values[index]]) - values[index])
-        elif before >= 0 and after < len(known) and time not in kinks:  # at a kink the extreme is at the instant itself
+        elif (
+            before >= 0 and after < len(known) and time not in at_kinks
+        ):  # at a kink the extreme is at the instant itself
             places = before, index, after
             beyond = _beyond_parabola([instants[place] for place in places], [values[place] for place in places])
         quantities[name] = replace(
@@ -146,15 +149,13 @@ def _beyond_recorded(times: Sequence[float], scene: Scene) -> tuple[str, frozens
     times of kinks are then complete. Where a body creeps, a kink counts as well, since the pressure may be highest there
     under a load that stays.
     """
-    kinks: set[float] = set()
+    known: set[float] = set()
     creeping = any(map(creeps, scene.solids))
     if not scene.histories and times[0] > 0:
         return BEFORE_RECORDED, frozenset()
     for history in scene.histories:
-        turns = getattr(history, "turning_points", None)
-        between = turns(times[-1]) if turns else getattr(history, "times", ())
-        between = [time for time in between if history.start <= time <= times[-1]]
-        kinks.update(between)
+        between = [time for time in reversed(kinks(history, times[-1])) if history.start <= time <= times[-1]]
+        known.update(between)
         before = getattr(history, "before", history.at)
         # an instant that is recorded twice is one before and after a jump
         recorded = [history.at(time) for time in times]
@@ -169,7 +170,7 @@ def _beyond_recorded(times: Sequence[float], scene: Scene) -> tuple[str, frozens
                     f"No bound: a history of the scene has a kink or an extreme at {time:.4g} s, between the recorded "
                     "instants: record that one too."
                 ), frozenset()
-    return "", frozenset(kinks)
+    return "", frozenset(known)
 
 
 def _beyond_parabola(times: Sequence[float], values: Sequence[float]) -> float:

@@ -154,7 +154,8 @@ def _beyond_recorded(times: Sequence[float], scene: Scene) -> tuple[str, frozens
     if not scene.histories and times[0] > 0:
         return BEFORE_RECORDED, frozenset()
     for history in scene.histories:
-        between = [time for time in reversed(kinks(history, times[-1])) if history.start <= time <= times[-1]]
+        largest_first = reversed(kinks(history, times[-1]))
+        between = [time for time in largest_first if history.start <= time <= times[-1]]
         known.update(between)
         before = getattr(history, "before", history.at)
         # an instant that is recorded twice is one before and after a jump
@@ -238,15 +239,10 @@ def _of_dents(fields: Mapping[str, Field]) -> dict[str, Quantity]:
         if name.startswith("residual_displacement"):
             suffix = name.removeprefix("residual_displacement")
             body = f" of solids[{suffix[1:]}]" if suffix else ""
-            for quantity, label, value in (
-                ("dent_depth", f"depth of the dent{body} at the end, below the undeformed surface", field.values.max()),
-                (
-                    "shoulder_height",
-                    f"height of its shoulders{body}, above the undeformed surface",
-                    -field.values.min(),
-                ),
-            ):
-                quantities[quantity + suffix] = Quantity(float(value), "m", label)
+            depth = f"depth of the dent{body} at the end, below the undeformed surface"
+            height = f"height of its shoulders{body}, above the undeformed surface"
+            quantities["dent_depth" + suffix] = Quantity(float(field.values.max()), "m", depth)
+            quantities["shoulder_height" + suffix] = Quantity(-float(field.values.min()), "m", height)
     return quantities
 
 
@@ -256,10 +252,10 @@ def _of_residual_stress(fields: Mapping[str, Field]) -> dict[str, Quantity]:
     for name, stress in fields.items():
         if name.startswith("residual_stress"):
             body = f" of solids[{name[-1]}]" if name[-1].isdigit() else ""
-            for end, extreme in (("highest", np.max), ("lowest", np.min)):
+            last = stress.values[-1, :2]
+            for end, value in (("highest", last.max()), ("lowest", last.min())):
                 label = f"{end} residual stress{body}, across or along"
-                value = float(extreme(stress.values[-1, :2]))
-                quantities[f"{end}_{name}"] = Quantity(value, "Pa", label)
+                quantities[f"{end}_{name}"] = Quantity(float(value), "Pa", label)
     return quantities
 
 

@@ -1,4 +1,8 @@
-"""Measured surfaces: how their heights are prepared, and what they are on a grid."""
+"""Measured surfaces: how their heights are prepared, and what they are on a grid.
+
+A surface keeps the heights as measured, and how they are prepared as fields of its own: the modules `measurement` and
+`preparation` of this folder read and prepare them.
+"""
 
 from dataclasses import field, replace
 from functools import lru_cache
@@ -77,6 +81,7 @@ class MeasuredSurface:
     reading: Reading = field(default_factory=Reading, compare=False, repr=False)
     notes: tuple[str, ...] = field(default=(), compare=False, repr=False)
     digest: str = field(init=False)
+    #: Heights at points, which a motion of the surface shifts by interpolation.
     is_sampled: ClassVar[bool] = True
 
     def check_together(self) -> None:
@@ -228,7 +233,10 @@ class MeasuredSurface:
         )
 
     def _periodic(self, heights: Array, axis: int, seam: preparation.PeriodicExtension, grid: Grid) -> Array:
-        """Return means over the cells along an axis of one period, or of its middle where the grid's is shorter."""
+        """Return heights (x, y) as means over the cells of a grid along an axis, which its `seam` makes periodic.
+
+        Where the period of the grid is shorter than that of the surface, it is that of the middle part.
+        """
         assert self.extent is not None
         count, length = heights.shape[axis], self.extent[axis]
         piece = grid.extent[axis] / seam.lengths
@@ -246,7 +254,10 @@ class MeasuredSurface:
 
 @lru_cache(maxsize=2)
 def _completed(surface: MeasuredSurface) -> Array:
-    """Return heights (x, y) [m] without missing points, less their trend, filtered; cached and read-only."""
+    """Return heights (x, y) [m] without missing points, less their trend, filtered; read-only.
+
+    Those of the last two surfaces, one on either body, are kept, since every grid of a solve asks for them.
+    """
     heights = surface.missing.fill(surface.heights)
     heights = preparation.without_trend(surface.trend, heights, surface.extent)
     if surface.filter is not None:

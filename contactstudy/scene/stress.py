@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
 # CF attributes of the coordinate z of a dataset.
 Z = {"axis": "Z", "positive": "down"}
-# Ratio of successive depths in the search for the largest stress, and then of depths around the best of these to it. The
-# von Mises stress on the axis of a line contact is within 0.4 % of its largest a tenth above and below the depth of it.
+# Ratio of successive depths in the search for the largest stress, and ratios of further depths to the best of these. On
+# the axis of a line contact the von Mises stress a tenth above and below its maximum is within 0.4 % of it.
 COARSE_STEP, FINE_STEPS = 1.35, (1.1**-2, 1.1**-1, 1.1, 1.1**2)
 # Widths of the contact down to which the least safety is searched where the yield stress changes with depth: there the
 # von Mises stress of a line contact has fallen to a fifth of its largest.
@@ -93,7 +93,7 @@ class SubsurfaceStress:
         """Return the stress of these bodies on `grid`."""
         body = solids[self.body]
         medium, length = self._medium(body), getattr(body, "free_faces", inf)
-        ended = None
+        face_coefficients = None
         if length < inf:
             if not isclose(length, grid.length):
                 raise InvalidInput(
@@ -101,10 +101,12 @@ class SubsurfaceStress:
                     f"the length {readable(grid.length)}: give a grid as long as the body, or leave this output out."
                 )
             assert isinstance(medium, HalfSpaceStress)
-            ended = FreeFaceCoefficients.of(length, medium.poisson_ratio)
+            face_coefficients = FreeFaceCoefficients.of(length, medium.poisson_ratio)
         depths = None if isinstance(self.depths, str) else _at_interfaces(body, self.depths)
         profile = getattr(body, "hardness_profile", None)
-        return SubsurfaceStressOperator(grid, paddings, medium, depths, self.body, ended=ended, profile=profile)
+        return SubsurfaceStressOperator(
+            grid, paddings, medium, depths, self.body, face_coefficients=face_coefficients, profile=profile
+        )
 
 
 def _at_interfaces(body: Body, depths: tuple[float, ...]) -> tuple[float, ...]:
@@ -140,7 +142,7 @@ class SubsurfaceStressOperator:
     residual
         Function that returns the residual stress of a body that yields as a function of depths [m], or None if there is
         none yet; None of a body that does not yield.
-    ended
+    face_coefficients
         Influence coefficients of the displacement of the body if it has free faces, else None.
     profile
         Yield stress by depth, over which the depths are searched as well; or None.
@@ -154,7 +156,7 @@ class SubsurfaceStressOperator:
     shear: Array | None = None
     bulk: float = 0.0
     residual: Callable[[], ResidualStress | None] | None = None
-    ended: FreeFaceCoefficients | None = None
+    face_coefficients: FreeFaceCoefficients | None = None
     profile: HardnessProfile | None = None
 
     def with_residual_stress(
@@ -192,23 +194,26 @@ class SubsurfaceStressOperator:
         return stress
 
     def _stress_of(self, traction: str, values: Array) -> Array:
-        """Return the stress due to the `values` (x, y) of one component of the surface `traction`."""
+        """Return the stress (component, z, x, y) due to the `values` (x, y) of a surface `traction`.
+
+        That is "pressure", or tangential traction "across" or "along".
+        """
         assert self.depths is not None
-        if self.ended is not None:
+        if self.face_coefficients is not None:
             from contactstudy.elasticity.free_faces import StressByFaces  # imported only for bodies with faces
 
-            faces = StressByFaces(self.ended, self.grid)
+            # the stress of an endless body under the load mirrored in both faces, and the part of loads on the faces
+            faces = StressByFaces(self.face_coefficients, self.grid)
             endless = ZeroPadding(), ExactPeriodicity()
-            twice = replace(self, grid=faces.continued_grid, paddings=endless, ended=None)
+            mirrored = replace(self, grid=faces.continued_grid, paddings=endless, face_coefficients=None)
+            stress = mirrored._stress_of(traction, faces.continued_load(values))
             (nx, ny), start = self.grid.cells, faces.beside
-            stress = twice._stress_of(traction, faces.continued_load(values))
-            by_faces = faces.stress(values, self.depths)
-            return np.asarray(by_faces + stress[:, :, start : start + nx, :ny])
+            return np.asarray(faces.stress(values, self.depths) + stress[:, :, start : start + nx, :ny])
         padded = padded_cells(self.grid, self.paddings)
         spectrum = TRANSFORMS.forward(values, padded)
         buffer = np.empty((padded[0], padded[1] // 2 + 1), dtype=np.complex128)
         stress = np.empty((len(COMPONENTS), len(self.depths), *self.grid.cells))
-        # with a window of images the mean of a domain that repeats would depend on their number
+        # the mean of a domain that repeats along both axes would depend on the number of images in a window
         lacks_mean = self._repeats and any(padding.window is not None for padding in self.paddings)
         # What all components of one depth share is kept only until the next depths.
         for level, depth in enumerate(self.depths):
@@ -219,7 +224,7 @@ class SubsurfaceStressOperator:
                 waves *= spectrum
                 field = TRANSFORMS.backward(waves, self.grid.cells, padded)
                 if lacks_mean:
-                    # the stress under a uniform load, as the sum over the two halves of the domain
+                    # stress under a uniform unit load: the sum of that under the load on each half of the domain
                     halves, exact = Grid((2, 1), self.grid.extent), ExactPeriodicity()
                     uniform = float(on_padded_grid(terms, halves, (exact, exact)).sum())
                     field += uniform * float(values.mean()) - field.mean()
@@ -254,6 +259,7 @@ class SubsurfaceStressOperator:
         residual = None if self.residual is None else self.residual()
 
         def at(depth: float) -> Array:
+            """Return the stress (component, x, y) at a depth [m]."""
             return replace(self, depths=(depth,), residual=lambda: residual)(pressure)[:, 0]
 
         def critical(depths: Iterable[float], strength: Callable[[float], float]) -> float:

@@ -10,7 +10,9 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import MISSING, fields, is_dataclass
 from difflib import get_close_matches
+from functools import reduce
 from math import inf
+from operator import or_
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
@@ -106,7 +108,8 @@ class _Reader:
             entries = next((get_args(option) for option in others if get_origin(option) is tuple), ())
             if any(self._options(entry)[0] for entry in entries):
                 return self._tuple(path, value, entries)
-            return value if is_dataclass(value) else valid(path, value, hint)
+            # without what no file can write: None, and a dataclass in place of its table
+            return value if value is None or is_dataclass(value) else valid(path, value, reduce(or_, others))
         except InvalidInput as error:
             self.refusals.append(str(error))
 
@@ -173,7 +176,7 @@ class _Reader:
             return _table_to_give(path, kinds)
         if get_origin(hint) is tuple and any(self._options(entry)[0] for entry in get_args(hint)):
             return _tables_to_give(get_args(hint))
-        return "give " + ", or ".join(remedy(option).removeprefix("give ") for option in others)
+        return remedy(reduce(or_, others))
 
 
 def _at(path: str, sentence: str) -> str:

@@ -141,6 +141,12 @@ WRONG = (
     (ROLLER, "[[shapes]]", "[shapes]", "}: give tables, each below its name in double brackets"),
     (ROLLER, OF_CYLINDER, '"Crown"', "give its radius, or its end_drop and length"),
     (WAVY, WAVY[WAVY.index('"Waviness"') :], RANDOM, "give a [grid], of whole waves"),
+    (
+        WAVY,
+        "[grid]",
+        "[plan]\nperiod = true\n[grid]",
+        "plan.period is True: give a length above 0, such as '10 mm', or a number in m.",
+    ),
     (WAVY, "[grid]", "[[shapes]]\nkind = 'Cylinder'\nradius = 1\n[grid]", "a shape is curved: give per_length"),
 )
 

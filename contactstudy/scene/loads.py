@@ -91,7 +91,8 @@ class TotalLoad:
 
 ConstantLoad = LineLoad | TotalLoad
 
-# Distance from the axis at which the surface does not move, over the equivalent radius, where none is given.
+# Distance from the axis at which the surface does not move, over the equivalent radius, where none is given: about the
+# size of a roller, beyond which the half-space does not stand for it.
 DATUM_OVER_RADIUS = 2.0
 
 

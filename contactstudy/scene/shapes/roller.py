@@ -139,6 +139,7 @@ class EndRelief:
         return np.asarray((within**2 / (2 * self.radius) + slope * beyond + arc)[None, :])
 
 
+# Radius of a round body [m]: above zero convex, below zero hollow, infinite flat.
 Radius = Annotated[validation.Metres, validation.CURVED]
 
 
@@ -194,6 +195,7 @@ class _Paraboloid:
         return np.asarray(grid.x[:, None] ** 2 * (across / 2) + grid.y**2 * (along / 2))
 
 
+# Limits of the radius of a body that is curved alike both ways, which a flat is not.
 ROUND = validation.Limits("above 0 of a ball, below 0 of a hollow body", lambda x: validation.MIN_SIZE <= abs(x) < inf)
 
 

@@ -14,9 +14,9 @@ from contactstudy.domain.grid import Array, Grid
 from contactstudy.domain.validation import InvalidInput, at_least, readable, validated, whole_quotient
 from contactstudy.scene.shapes.shape import LengthScales, no_gap
 
+# Wavelength or pitch [m], infinite where nothing repeats.
 Wavelength = Annotated[validation.Metres, validation.OR_INFINITE]
-
-
+# Flank of a feature, by the names that :class:`Dimple` explains.
 Profile = Literal["parabolic", "cosine", "flat"]
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from math import ceil, inf, tan
-from typing import Annotated, Any, Protocol, Self, cast, runtime_checkable
+from typing import Annotated, Protocol, Self, runtime_checkable
 
 import numpy as np
 
@@ -201,9 +201,8 @@ class MovingShape:
 
     @property
     def length_scales(self) -> LengthScales:
-        """Length scales of the shape; none, as an AttributeError says, if it does not name its own."""
-        scales: LengthScales = cast(Any, self.shape).length_scales
-        return scales
+        """Length scales of the shape; an AttributeError, as of any shape without them, if it does not name its own."""
+        return self.shape.length_scales  # type: ignore[attr-defined, no-any-return]
 
     def with_extent_of(self, grid: Grid) -> Self:
         """Return this shape, where heights that are given cell by cell get the extent of `grid`."""
@@ -240,7 +239,7 @@ ROWS = 17
 
 @dataclass(frozen=True)
 class ShapesSource:
-    """What grids coarser and finer than a problem's need: the heights of `shapes`, and the problem on any grid.
+    """Source of a problem: the heights of its shapes, and the same problem on coarser and finer grids.
 
     Parameters
     ----------
@@ -280,7 +279,7 @@ class ShapesSource:
         return summed_gap([shape for shape in self.shapes if not hasattr(shape, "length_scales")], grid)
 
     def covered_fractions(self, grid: Grid) -> Array | None:
-        """Return the length of the shortest roller in each row of `grid`, in cells; None where none ends on it."""
+        """Return the fraction (y,) of each row of `grid` that the shortest roller covers; None where none ends on it."""
         rollers = [shape.covered_fractions(grid) for shape in self.shapes if hasattr(shape, "covered_fractions")]
         shortest = min(rollers, key=np.sum, default=None)
         return None if shortest is None or not shortest.any() or (shortest == 1).all() else shortest

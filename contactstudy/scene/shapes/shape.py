@@ -279,7 +279,7 @@ class ShapesSource:
         return summed_gap([shape for shape in self.shapes if not hasattr(shape, "length_scales")], grid)
 
     def covered_fractions(self, grid: Grid) -> Array | None:
-        """Return the fraction (y,) of each row of `grid` that the shortest roller covers; None where none ends on it."""
+        """Return the length of the shortest roller in each row of `grid` (y,), in cells; None where none ends on it."""
         rollers = [shape.covered_fractions(grid) for shape in self.shapes if hasattr(shape, "covered_fractions")]
         shortest = min(rollers, key=np.sum, default=None)
         return None if shortest is None or not shortest.any() or (shortest == 1).all() else shortest

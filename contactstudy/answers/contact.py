@@ -78,8 +78,7 @@ class Contact(Answer, Solution):
     @property
     def loaded_length(self) -> float:
         """Length [m] that carries the load. It is that of a roller, or else the period of the grid."""
-        posed = self.problem.description
-        return (roller_length(posed) if isinstance(posed, PosedScene) else None) or self.grid.length
+        return roller_length(self.problem.description) or self.grid.length
 
     @cached_property
     def error(self) -> ErrorEstimate:

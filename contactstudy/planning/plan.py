@@ -122,15 +122,8 @@ def _plan_of_flat(
     padding = padding or (ExactPeriodicity(), ExactPeriodicity())
     if fault := period_fault(grid.length, (scales,)):
         warnings.append(fault)
-    return Plan(
-        scene=scene,
-        grid=grid,
-        padding=padding,
-        bytes=memory(grid, padding),
-        reasons=(f"points: those of the surface, which is not curved, or of a given grid, with padding {padding!r}.",),
-        warnings=tuple(warnings),
-        device=device,
-    )
+    points = f"points: those of the surface, which is not curved, or of a given grid, with padding {padding!r}."
+    return plan_on(scene, grid, padding, (points,), warnings, device=device)
 
 
 def _plan_static(
@@ -182,7 +175,8 @@ def _plan_static(
             "give a larger error, or a grid of fewer cells."
         )
     warnings = [*filter(None, (*of_grid, beyond_half_space(scene))), *left_out(scene.shapes, grid), *warnings]
-    return plan_on(scene, requirements, grid, reasons, warnings, device=device, first_grids=first)
+    reasons = [*requirements.reasons(grid), *reasons]
+    return plan_on(scene, grid, padding, reasons, warnings, device=device, first_grids=first)
 
 
 def _with_states(planned: Plan, transient: "TransientRequirements") -> Plan:

@@ -13,9 +13,6 @@ from contactstudy.domain.device import ONE_THREAD, Device
 from contactstudy.domain.errors import InNotebook
 from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
 from contactstudy.elasticity.convolution import padded_cells
-from contactstudy.planning.grid_requirements import (
-    GridRequirements,
-)
 from contactstudy.planning.refinement import FirstGrids
 from contactstudy.problem.problem import Problem, solve_bytes
 from contactstudy.scene.loads import LineLoad
@@ -115,19 +112,14 @@ class Plan(InNotebook):
 
 
 def plan_on(
-    scene: Scene,
-    requirements: GridRequirements,
-    grid: Grid,
-    reasons: Sequence[str],
-    warnings: Sequence[str],
+    scene: Scene, grid: Grid, padding: Padding | Paddings, reasons: Sequence[str], warnings: Sequence[str],
     **further: Any,
-) -> Plan:
-    """Return the plan of a scene on a `grid`, with the padding of its requirements, and further fields by name.
+) -> Plan:  # fmt: skip
+    """Return the plan of a scene on a `grid` with a `padding`, `reasons` and `warnings`, with the bytes of its solve.
 
-    Its `reasons` follow those of the requirements; its `warnings` are all that there are.
+    The `further` fields of :class:`Plan` are given by name.
     """
-    padding, of_grid = requirements.padding(), requirements.reasons(grid)
     return Plan(
         scene=scene, grid=grid, padding=padding, bytes=memory(grid, padding),
-        reasons=(*of_grid, *reasons), warnings=tuple(warnings), **further,
+        reasons=tuple(reasons), warnings=tuple(warnings), **further,
     )  # fmt: skip

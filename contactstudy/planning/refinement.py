@@ -322,13 +322,18 @@ class GridRefinement:
         scene where random heights depend on that.
         """
         first = self.first_grid(self.requirements.extent(self.period))
-        varies, is_row = first.cells[1] > 1, given.cells[1] == 1
-        is_random = any(getattr(shape, "extent", ()) is None for shape in self.scene.shapes)
-        pairs = list(zip(given.extent, first.extent, strict=True))[0 if is_random else 1 : 2 if varies else 1]
-        suits = all(isclose(there, here, rel_tol=SAME_EXTENT) for there, here in pairs) and varies is not is_row
-        if not suits or not prod(first.cells) <= prod(given.cells) <= MOST_CELLS:
-            return None
-        return self.grid_of_fast_lengths(*given.cells, (given.extent[0], first.length))
+        varies = first.cells[1] > 1
+        same_width, same_length = (
+            isclose(there, here, rel_tol=SAME_EXTENT) for there, here in zip(given.extent, first.extent, strict=True)
+        )
+        suits = (same_width or not self._has_heights_of_grid) and (same_length or not varies)
+        has_cells = prod(first.cells) <= prod(given.cells) <= MOST_CELLS and varies is (given.cells[1] > 1)
+        return self.grid_of_fast_lengths(*given.cells, (given.extent[0], first.length)) if suits and has_cells else None
+
+    @property
+    def _has_heights_of_grid(self) -> bool:
+        """True if heights of the scene, which are random, depend on the extent of the grid."""
+        return any(getattr(shape, "extent", ()) is None for shape in self.scene.shapes)
 
     def min_cells(self, extent: tuple[float, float]) -> tuple[int, int]:
         """Return the minimum number of cells (across, along) that resolve the surface on an `extent` [m]."""
@@ -364,8 +369,7 @@ class GridRefinement:
         width, widest = solution.problem.grid.extent[0], self.requirements.known_width
         if solution.pressure[[0, -1]].any() and width < widest:
             return self.requirements.width(WIDENING * width)
-        # random heights depend on the extent
-        if any(getattr(shape, "extent", ()) is None for shape in self.scene.shapes):
+        if self._has_heights_of_grid:
             return None
         needed = WIDTH_FACTOR * contact_width(solution)
         return needed if needed < NARROWING * width else None
@@ -388,8 +392,9 @@ class GridRefinement:
         present, most = prod((after or last.grid).cells), MOST_CELLS
         required = self.required_cells(last)
         axes = 1 if required[1] == 1 else 2
-        missed = (prod(required) / most) ** (CONVERGENCE_ORDER / axes)
-        if missed > OUT_OF_REACH and last.discretisation_error < inf:
+        # the error expected on the finest grid, over the requested one
+        expected_error = (prod(required) / most) ** (CONVERGENCE_ORDER / axes)
+        if expected_error > OUT_OF_REACH and last.discretisation_error < inf:
             most = min(MAX_CELLS_OUT_OF_REACH, most)
         is_enough = self.meets_error(last) if after is None else present >= EXPECTED_FRACTION * prod(required)
         # no width of a surface that is resolved holds the contact
@@ -422,7 +427,9 @@ class GridRefinement:
     def required_cells(self, last: BoundedSolution) -> tuple[float, float]:
         """Return the minimum number of cells (across, along) whose bound is expected to meet the error, from the `last`.
 
-        Each axis may then contribute half of it.
+        Each axis may then contribute half of it, so that its cells grow by ``(2 e f / e0)^(1 / order)``: f is the
+        fraction of the error e that it contributes, and e0 is `AIMED_FRACTION` of the allowed error. Along a row of
+        cells the axis across may contribute all.
         """
         nx, ny = last.grid.cells
         across, along = self.min_cells(last.grid.extent)

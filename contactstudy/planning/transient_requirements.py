@@ -337,7 +337,7 @@ def plan_of_adhesion(
             f"Grid.cells[{axis}] is {grid.cells[axis]}: {cells:.2g} cells in the cohesive zone, so few that the "
             f"grid pins the edge of the contact (lattice trapping): give {finer} for six.",
         )
-    return plan_on(scene, requirements, grid, (reason,), warnings)
+    return plan_on(scene, grid, requirements.padding(), (*requirements.reasons(grid), reason), warnings)
 
 
 def _grid(base: Grid, requirements: GridRequirements, cell: float, decay_distance: float) -> Grid:

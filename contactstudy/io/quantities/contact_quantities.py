@@ -26,7 +26,7 @@ from contactstudy.io.quantities.quantity import Quantity, bounded, per_length, r
 from contactstudy.io.quantities.stress_quantities import largest_of, largest_place, stress_quantities
 from contactstudy.problem.problem import Field
 from contactstudy.scene.loads import DATUM_OVER_RADIUS
-from contactstudy.scene.scene import PosedScene, scene_of
+from contactstudy.scene.scene import scene_of
 from contactstudy.scene.shapes.shape import curvature_of, standing_heights
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 from contactstudy.solvers.solution import (
@@ -301,8 +301,7 @@ def contact_quantities(
     if not np.isfinite(pressure).all():
         return {}
     scene, touching, warnings = scene_of(solution.problem), solution.pressure > 0, estimate.warnings
-    posed = solution.problem.description
-    length = roller_length(posed if isinstance(posed, PosedScene) else None)
+    length = roller_length(solution.problem.description)
     wraps, adheres = wraps_of(solution.problem), solution.adhesion is not None
     # an attraction makes edges steep, and nothing is known of where in their cells they lie
     edges = None if adheres else straight_edges(solution.pressure)

@@ -111,13 +111,13 @@ def bounded(
     return with_bound(Quantity(value, unit, label, **more), parts, fallback_reasons)
 
 
-def roller_length(posed: PosedScene | None) -> float | None:
-    """Return the length [m] of the roller of a scene on its grid; None without one, and of an endless one.
+def roller_length(posed: object) -> float | None:
+    """Return the length [m] of the roller of a posed scene; None without one or a scene, and of an endless one.
 
     The load of an endless contact is that of a period. A body that is cut off at the ends of the grid, whose contact
     repeats by the padding, is endless.
     """
-    if posed is None:
+    if not isinstance(posed, PosedScene):
         return None
     scene, length = posed.scene, posed.scene.roller_length
     if length is None or (scene.repeats(posed.padding) and length != posed.grid.length):

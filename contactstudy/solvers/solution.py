@@ -201,7 +201,8 @@ class AdhesiveTraction:
     tabor
         Tabor's parameter, the elastic deformation over the range of the traction; None without a curved shape.
     regularised
-        Whether the range was chosen for the grid, in place of the JKR limit of short ranges.
+        Whether the range was chosen for the grid, in place of the limit of short ranges (Johnson, Kendall & Roberts
+        1971).
     outer_iterations
         Number of contacts solved with a frozen adhesive traction, those of rejected mixed iterates too.
     range
@@ -323,7 +324,7 @@ class Solution:
 
     @property
     def regularised(self) -> bool:
-        """Return whether the range of adhesion was chosen for the grid, in place of the JKR limit of short ranges."""
+        """Return whether the range of adhesion was chosen for the grid, in place of the limit of short ranges."""
         return self.adhesion is not None and self.adhesion.regularised
 
     @property

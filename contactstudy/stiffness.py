@@ -107,8 +107,7 @@ def stiffness_error(contact: Contact, stiffness: float) -> float:
     # 1, and twice the cells at the hardness over the others: they have a border too
     borders = 2 * touching / active - 1
     growth = max(2 * stiffness / (pi * contact.scene.contact_modulus), 1.0)
-    touching_cells = contact.pressure > 0
-    perimeter = contact_perimeter(touching_cells, contact.grid, contact.problem.paddings)
+    perimeter = contact_perimeter(contact.pressure > 0, contact.grid, contact.problem.paddings)
     # the stiffness is that of whole cells, of which half may lie beyond an edge
     of_cells = perimeter * contact.grid.cell_size[0] / 2 / (touching * contact.grid.cell_area)
     area_error = contact.quantities["contact_area"].relative_bound + of_cells
@@ -139,7 +138,7 @@ def contact_stiffness(contact: Contact) -> Quantity:
 
 @dataclass(frozen=True)
 class DistantApproach:
-    """Approach [m] of two distant points of the bodies of a line contact, and the stiffness [N/m per m] between them."""
+    """Approach [m] of two points, one in each body of a line contact, and the stiffness [N/m per m] between them."""
 
     approach: Quantity
     stiffness: Quantity
@@ -153,7 +152,8 @@ def distant_approach(
     With the plane-strain compliance c of a body, ``c P / pi`` times ``2 ln(4 R / a) - 1`` is the compression of a
     cylinder between the contact and its axis, if it is loaded opposite to the contact, and ``2 ln(2 d / a) - nu / (1 -
     nu)`` that of a flat body down to a depth d (Johnson 1985, sect. 5.6). Both differ from the approach of half-spaces
-    by a constant times the load, whatever the surfaces are like. On a roller that ends, the constant is that of its
+    by a constant times the load, whatever the surfaces are like. Here P is the load per length, R the radius, a the
+    half-width and nu Poisson's ratio. On a roller that ends, the constant is that of its
     pressure, at mid-length. In a coated body c changes with the distance; the change is part of the bound.
 
     Parameters
@@ -173,7 +173,6 @@ def distant_approach(
         For a point contact, and for one with images across.
     """
     scene, grid = contact.scene, contact.grid
-    remedy = "give the radii of both bodies across, such as (0.01, inf)"
     curved = Annotated[Metres, CURVED]
     given = valid("radii", radii, tuple[curved, curved])
     datum = approach_datum(contact)
@@ -188,7 +187,7 @@ def distant_approach(
     if scene.radius and not isclose(curvature, 1 / scene.radius, rel_tol=1e-6):
         raise InvalidInput(
             f"radii are {radii!r}, which make an equivalent radius of {readable(1 / curvature) if curvature else inf}, "
-            f"and the scene has {readable(scene.radius)}: {remedy}."
+            f"and the scene has {readable(scene.radius)}: give the radii of both bodies across, such as (0.01, inf)."
         )
     per_length = float(contact.net_pressure.sum()) * grid.cell_area / contact.loaded_length
     # by how much the approach is less than that of half-spaces, over the load per length [1/Pa], and the bound of that
@@ -230,6 +229,7 @@ def _distant_displacement(contact: Contact, solid: Body, distance: float, datum:
     per_length = float(contact.net_pressure.sum()) * grid.cell_area / contact.loaded_length
 
     def by_cells(coefficients: Array) -> float:
+        """Return the sum over all cells of the net pressure times `coefficients` (x, y), over the load per length."""
         return float((contact.net_pressure * coefficients).sum()) / per_length
 
     if datum:

@@ -53,10 +53,7 @@ EDGE = 1e-3
 
 def is_cut_off(problem: Problem, attraction: Array) -> bool:
     """Return whether an `attraction` (x, y) [Pa] at the open edges of `problem` is above a fraction of its peak."""
-    lines = [attraction[ix] for ix in problem.open_edges]
-    lines += [attraction[:, iy] for iy in problem.open_ends]
-    at_edge = max((float(line.max()) for line in lines), default=0.0)
-    return at_edge > EDGE * float(attraction.max())
+    return problem.is_cut_off(np.where(attraction > EDGE * float(attraction.max()), attraction, 0.0))
 
 
 # Solves a problem without adhesion, together with a state of the bodies such as plastic strain. Its arguments are the

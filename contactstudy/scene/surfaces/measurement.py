@@ -246,8 +246,12 @@ def _array(name: str) -> Array:
 
 
 def _of_library(name: str, reading: Reading) -> FileContent:
-    """Return the default channel of a file that the library SurfaceTopography reads."""
-    with warnings.catch_warnings(), redirect_stderr(StringIO()):  # parts of it log there what they try
+    """Return the default channel of a file that the library SurfaceTopography reads.
+
+    A unit that the file lacks is that of `reading`, and without sizes there are none. Raises InvalidInput for a file
+    that the library does not read, a profile, and numbers that are no heights.
+    """
+    with warnings.catch_warnings(), redirect_stderr(StringIO()):  # it logs the formats that it tries
         warnings.simplefilter("ignore")
         library = import_for("MeasuredSurface.read", "SurfaceTopography")
         try:
@@ -255,9 +259,9 @@ def _of_library(name: str, reading: Reading) -> FileContent:
                 if file.format() == "hgt":  # terrain, for which any file of such a length passes
                     raise ValueError("no known format")
                 channel = file.default_channel
-                known = {"unit": channel.unit, "physical_sizes": channel.physical_sizes}
-                given = {"unit": reading.unit or "m", "physical_sizes": channel.nb_grid_pts}
-                lacking = {key: given[key] for key, value in known.items() if value is None}
+                # the library asks for what a file lacks
+                lacking = {} if channel.unit is not None else {"unit": reading.unit or "m"}
+                lacking |= {} if channel.physical_sizes is not None else {"physical_sizes": channel.nb_grid_pts}
                 surface = channel.topography(**lacking)
                 values = np.ma.filled(np.ma.asarray(surface.heights(), dtype=np.float64), np.nan)
                 side = length_unit(str(surface.unit))
@@ -267,7 +271,7 @@ def _of_library(name: str, reading: Reading) -> FileContent:
             why = f" ({kind}: {shortened(str(unreadable))})" * (kind != "CannotDetectFileFormat")
             raise InvalidInput(
                 f"path is {name!r}, in which SurfaceTopography finds no surface{why}: give a "
-                "file in a format that it reads, complete, or export the heights as x3p, txt or csv."
+                "file in a format that it reads, complete, or export the heights as x3p, or as txt or csv in UTF-8."
             ) from unreadable
     if values.ndim != 2 or len(sizes) != 2:
         raise InvalidInput(

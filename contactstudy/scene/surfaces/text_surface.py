@@ -17,6 +17,8 @@ from contactstudy.scene.surfaces.text_file import Header, TextTable, length_unit
 
 # Units [m] that messages name.
 UNITS = {"nm": 1e-9, "um": 1e-6, "mm": 1e-3, "m": 1.0}
+# What a message offers where a file may be right all the same.
+CONFIRMED = 'sizes = "confirmed"'
 # Directions in which a measured surface is reversed, and the axes of its heights (x, y) that are.
 Flip = Literal["none", "across", "along", "both"]
 REVERSED: dict[Flip, tuple[int, ...]] = {"none": (), "across": (0,), "along": (1,), "both": (0, 1)}
@@ -117,17 +119,13 @@ def unit_of_heights(name: str, reading: Reading, own: float | None = None, unkno
         raise InvalidInput(
             f"MeasuredSurface.unit of {name!r} {fault}: give the unit of its numbers, one of {', '.join(UNITS)}."
         )
-    if own is not None and given is not None and reading.sizes == "checked" and not np.isclose(given, own, atol=0):
+    if own is not None and given not in (None, own) and reading.sizes == "checked":
+        stated = next((unit for unit, size in UNITS.items() if size == own), readable(own))
         raise InvalidInput(
-            f"MeasuredSurface.unit of {name!r} is {reading.unit!r}: leave it out, since its heights are in "
-            f'{unit_name(own)}; or give sizes = "confirmed" too, if the file is wrong.'
+            f"MeasuredSurface.unit of {name!r} is {reading.unit!r}: leave it out, since its heights are in {stated}; or "
+            f"give {CONFIRMED} too, if the file is wrong."
         )
     return given or own or 1.0
-
-
-def unit_name(unit: float) -> str:
-    """Return the name of a unit [m], or its size as a text if it has none."""
-    return next((name for name, size in UNITS.items() if np.isclose(size, unit, atol=0)), readable(unit))
 
 
 # Points along each side of a matrix, and rows of points in columns. A table of fewer is one of something else.
@@ -144,8 +142,6 @@ NO_LENGTH = re.compile(
     r"\b(deg\w*|grad|m?rad|sec\w*|[mu]?s|m?v|angle|winkel|time|zeit|index|frame)\b",
     re.I,
 )
-# What a message offers where a file may be right all the same.
-CONFIRMED = 'sizes = "confirmed"'
 # Largest distance of a point from a regular grid, in steps, with which it is put onto the grid. Positions written with
 # few digits, or measured by a stage, lie within it; those of a scan of changing speed do not.
 MAX_SHIFT = 0.1

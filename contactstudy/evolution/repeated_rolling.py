@@ -1,6 +1,9 @@
 """Repeated rolling in plane strain: the plastic strain and residual stress that passes of a contact leave behind.
 
-The half-space below a grid that moves with the contact: its plastic strain, and a step of its change.
+A contact rolls to larger x over a half-space that yields, the :class:`Track`, in steps of one cell. Grid and volume of
+plastic strain move with the contact: strain enters them on the right and leaves them on the left. A pass ends when the
+profile of strain over depth that leaves no longer changes, or after a given distance. Contacts that vary along the
+length, and friction, are left out.
 """
 
 from collections.abc import Callable
@@ -50,8 +53,8 @@ def with_zero_layers(field: Array, layers: int) -> Array:
 class Track:
     """A half-space in plane strain over which a contact rolls, seen on a grid that moves with the contact.
 
-    Fields and profiles over depth have four components: those of plastic strain in the operator's basis, and the
-    equivalent plastic strain.
+    Fields and profiles over depth have four components: the three of plastic strain in the basis of its operator,
+    ``(xx - zz) / sqrt(2)``, ``(2 yy - xx - zz) / sqrt(6)`` and ``sqrt(2) xz``, and the equivalent plastic strain.
 
     Attributes
     ----------
@@ -106,7 +109,7 @@ class Track:
         Parameters
         ----------
         weight
-            Weight of the profile that leaves the moving grid in the mean behind it.
+            Weight, from 0 to 1, of the profile that leaves the moving grid in the mean behind it.
         """
         plastic = np.roll(self.plastic, -1, axis=2)
         plastic[:, :, -1, 0] = self.front
@@ -129,7 +132,7 @@ XX, YY, XZ = 0, 1, 4
 
 @dataclass(frozen=True, eq=False)
 class RollingPass:
-    """A pass of a contact over a half-space.
+    """What a pass of a contact over a half-space leaves behind, and how it ended.
 
     Attributes
     ----------
@@ -141,7 +144,8 @@ class RollingPass:
         The contact at the end of the pass.
     status
         The worst status of its steps; PASS_NOT_STEADY where what it leaves behind did not become steady, as in a given
-        distance of little more than a width of the grid or less, and YIELD_AT_EDGE where yield reaches an edge.
+        distance of little more than a width of the grid or less, and YIELD_AT_EDGE where yield reaches the left or
+        right edge of the moving grid.
     steps
         Number of steps.
     iterations
@@ -186,7 +190,7 @@ class RepeatedRolling:
 
     @cached_property
     def coarse(self) -> "RepeatedRolling":
-        """The same passes on cells of twice the size, which estimate the errors; rolled on first access."""
+        """The same passes on cells of twice the size, by which errors are estimated; rolled on first access."""
         return self.solve_on(coarsened(self.grid, 2))
 
     @property
@@ -212,9 +216,10 @@ class RepeatedRolling:
 
     @property
     def residual_stress(self) -> Array:
-        """Residual stress (pass, component, z) [Pa] after each pass.
+        """Residual stress (pass, component, z) [Pa] far behind the contact after each pass, tension positive.
 
-        Only xx and yy differ from zero: equilibrium of an infinite half-space that does not vary along x and y.
+        Only xx and yy differ from zero, by equilibrium of an infinite half-space that does not vary along x and y.
+        They are those of plane stress, with total strains xx and yy of zero.
         """
         moduli = self.track.operator.moduli
         strain, nu = self.plastic_strain, moduli.poisson_ratio
@@ -280,9 +285,10 @@ class RepeatedRolling:
         return np.diff(kept, axis=0, prepend=np.zeros_like(kept[:1]))
 
 
-# Depth of the first layers, in length scales of the contact; more are added where the last one yields.
+# Depth of the first layers, in length scales of the contact, such as its half-width: Hertz's contact yields first at 0.7
+# of it. More are added where the last one yields, so that this changes the time alone.
 INITIAL_DEPTH = 2.0
-# The longest pass, in widths of the moving grid, in which the mean strain behind forgets that before to exp(-40).
+# The longest pass, in widths of the moving grid. The mean strain behind forgets that before to exp(-40) in it.
 MAX_PASS_WIDTHS = 20
 
 
@@ -373,15 +379,15 @@ def roll_repeatedly(
     return RepeatedRolling(tuple(finished), track, released, posed, solve_on)
 
 
-# The strain behind the moving grid is a mean over about half of its width: the distance from the contact to its edge.
+# The strain behind the moving grid is a running mean over half of its width, the distance from the contact to its edge.
 AVERAGES_PER_WIDTH = 2
-# The contact at the end of a step, and the iterations of Newton's method that the step took.
+# The contact at the end of a step, and the number of iterations of Newton's method that the step took.
 SolvedStep = tuple[Solution, int]
 
 
 @dataclass(frozen=True, eq=False)
 class _Rolling:
-    """Steps of a rolling contact.
+    """How a contact rolls over a :class:`Track`, step by step.
 
     Attributes
     ----------
@@ -398,7 +404,8 @@ class _Rolling:
     max_steps
         Steps of a pass; None takes as many as it needs to become steady.
     steady
-        Largest change of plastic strain that counts as steady.
+        Largest change of a component of plastic strain at the left edge that counts as none: against the profile `lag`
+        steps before, and against the mean behind.
     """
 
     contact: Contact
@@ -412,7 +419,7 @@ class _Rolling:
     def one_pass(
         self, track: Track, first: tuple[SolvedStep, ...], report: Callable[[float], None]
     ) -> tuple[Track, RollingPass]:
-        """Roll one pass from the present position of the contact.
+        """Return the track after one more pass from the present position of the contact, and the pass.
 
         Parameters
         ----------

@@ -212,7 +212,7 @@ class PlasticState:
         """
         begin = state if guess is None else guess
         first = contact(np.asarray(sum(self._residual_displacements(begin))))
-        while self._grown([self._elastic_excess(number, first, attraction) for number in range(len(self.bodies))]):
+        while self._grown(self._nearly_yields(first, attraction)):
             pass
         while True:
             # the volumes of either state may be larger than those of the other
@@ -227,7 +227,7 @@ class PlasticState:
             )  # fmt: skip
             adhesive_stress = 0.0 if attraction is None else bodies.stress_of_pressure(-attraction)
             step = self._solve_with_friction(bodies, first, adhesive_stress, solve_under, tolerance)
-            if not self._grown(bodies.split(step.equivalent_increment)):
+            if not self._grown([flow > 0 for flow in bodies.split(step.equivalent_increment)]):
                 break
         plastics = bodies.split(np.concatenate((step.strain, before[-1:] + step.equivalent_increment)))
 
@@ -246,15 +246,18 @@ class PlasticState:
             solution = replace(solution, status=Status.YIELD_AT_EDGE)
         return CoupledSolution(solution, after, step.energy)
 
-    def _elastic_excess(self, number: int, solution: Solution, attraction: Array | None) -> Array:
-        """Return the von Mises stress of a contact (layers, x, y) [Pa] in a body less `NEAR_YIELD` of its yield stress.
+    def _nearly_yields(self, solution: Solution, attraction: Array | None) -> list[NDArray[np.bool_]]:
+        """Return by body in which cells (layers, x, y) the stress of a contact exceeds `NEAR_YIELD` of the yield stress.
 
-        It leaves out the residual stress.
+        It is von Mises' stress, without the residual one.
         """
         pressure = solution.pressure if attraction is None else solution.pressure - attraction
-        stress = self.operators[number].stress_of_pressure(pressure) + self._stress_of_traction(number, solution)
-        yield_stress = self.bodies[number].hardening.yield_stress
-        return np.asarray(np.sqrt(1.5 * (stress**2).sum(axis=0)) - NEAR_YIELD * yield_stress)
+        nearly_yields = []
+        parts = zip(self.bodies, self.operators, self._stress_of_friction(solution), strict=True)
+        for body, operator, friction in parts:
+            stress = operator.stress_of_pressure(pressure) + friction
+            nearly_yields.append(1.5 * (stress**2).sum(axis=0) > (NEAR_YIELD * body.hardening.yield_stress) ** 2)
+        return nearly_yields
 
     def _solve_with_friction(
         self,
@@ -270,33 +273,25 @@ class PlasticState:
         iteration, from that of the `first` contact on, until it changes by less than the tolerance. `adhesive_stress`
         (C, cells) [Pa] is that of an attraction, and `solve_under` returns the step under a further stress (C, cells).
         """
-        contacts = [first]
-        stress, outer_iterations = self._stress_of_friction(bodies, first), 0
-        while True:
+        contacts, stress = [first], bodies.concatenated(self._stress_of_friction(first))
+        for _ in range(MAX_OUTER_ITERATIONS):
             step = solve_under(adhesive_stress + stress)
             contacts += step.contacts
-            last, stress = stress, self._stress_of_friction(bodies, step.solution)
+            last, stress = stress, bodies.concatenated(self._stress_of_friction(step.solution))
             change = float((np.abs(stress - last) / bodies.law.yield_stress).max(initial=0.0))
-            outer_iterations += 1
-            is_last = outer_iterations == MAX_OUTER_ITERATIONS or not np.isfinite(change)
-            if change <= tolerance or is_last:
+            if change <= tolerance or not np.isfinite(change):
                 break
-        residual = largest_of(step.residual, change)
-        return replace(step, contacts=tuple(contacts), residual=residual)
+        return replace(step, contacts=tuple(contacts), residual=largest_of(step.residual, change))
 
-    def _stress_of_friction(self, bodies: YieldingBodies, solution: Solution) -> Array:
-        """Return the stress (C, cells) [Pa] by the tangential traction of a contact."""
-        return bodies.concatenated([self._stress_of_traction(number, solution) for number in range(len(self.bodies))])
-
-    def _stress_of_traction(self, number: int, solution: Solution) -> Array:
-        """Return the stress (C, layers, x, y) [Pa] in one body by the tangential traction along x.
+    def _stress_of_friction(self, solution: Solution) -> list[Array]:
+        """Return the stress (C, layers, x, y) [Pa] in each body by the tangential traction along x of a contact.
 
         The traction of the `solution` is that on the first body; on the second it is reversed.
         """
-        operator = self.operators[number]
         if solution.traction is None:
-            return np.zeros((len(operator.basis), *operator.volume.shape))
-        return operator.stress_of_shear((1 - 2 * self.bodies[number].index) * solution.traction.shear[0])
+            return [np.zeros((len(operator.basis), *operator.volume.shape)) for operator in self.operators]
+        shear, bodies = solution.traction.shear[0], zip(self.bodies, self.operators, strict=True)
+        return [operator.stress_of_shear((1 - 2 * body.index) * shear) for body, operator in bodies]
 
     def fields(self, state: State) -> Mapping[str, Field]:
         """Return the residual displacement (x, y) [m] of each body's surface, positive into the body."""
@@ -424,16 +419,14 @@ class PlasticState:
             plastics.append(embedded(plastic, first, volume))
         return plastics
 
-    def _grown(self, yielded: Sequence[Array]) -> bool:
-        """Enlarge each volume in which plastic flow reaches the edge, and return whether there was one."""
-        any_grown = False
-        for number, (body, flow) in enumerate(zip(self.bodies, yielded, strict=True)):
-            volume = self.operators[number].volume
-            new_volume = enlarged(volume, self._length, flow > 0)
+    def _grown(self, yielded: Sequence[NDArray[np.bool_]]) -> bool:
+        """Enlarge the volume of each body that yields (layers, x, y) at its edge, and return whether there was one."""
+        volumes = [operator.volume for operator in self.operators]
+        for number, (body, volume) in enumerate(zip(self.bodies, volumes, strict=True)):
+            new_volume = enlarged(volume, self._length, yielded[number])
             if new_volume != volume:
                 self.operators[number] = operator_on(new_volume, body.moduli)
-                any_grown = True
-        return any_grown
+        return volumes != [operator.volume for operator in self.operators]
 
 
 def check_paddings(problem: Problem) -> None:

@@ -1,4 +1,10 @@
-"""Plastic strain as a state variable: the cells that may yield, and how a load step changes it with the pressure."""
+"""Plastic strain as a state variable: the cells that may yield, and how a load step changes it with the pressure.
+
+Plastic strain is kept in a volume of layers and cells below the contact for each body that yields. A volume grows as
+the body yields: before a step to where the contact would make it yield, after a step to where it did. What a state holds
+is said in :class:`PlasticState`. Equations and solver of a step are in the module `plasticity`, and the stress by
+plastic strain is in `eigenstrain`.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -107,13 +113,13 @@ def embedded(field: Array, first: int, volume: Volume) -> Array:
 
 # Function that returns the contact with a field (x, y) [m] added to its gap.
 Contact = Callable[[Array], Solution]
-# Yield sets in where a step adds more than this multiple of the plastic strain before it. A step that doubles the load
-# adds about 3 times the plastic strain.
+# A step that adds more than this multiple of the plastic strain before it is taken as the onset of yield, which the
+# control of steps in time resolves. A step that doubles the load adds about 3 times the plastic strain.
 ABRUPT = 4.0
 # Largest number of iterations of the lagged stress of friction in a step. To four times the load of first yield in one
 # step, a coefficient of friction of 0.1 takes 6, one of 0.3 takes 9 and one of 0.6 does not converge.
 MAX_OUTER_ITERATIONS = 50
-# Statuses of a contact that stopped before its tolerance.
+# Statuses of a contact that stopped before its tolerance, which a step may have reached all the same.
 STOPPED_EARLY = (Status.PRECISION_LIMIT, Status.STALLED, Status.ITERATION_LIMIT)
 # Attribute of stress in a data set. At the edge of a contact it has a logarithmic or stronger peak, finer than any cell.
 NEAR_EDGE = {"comment": "at the surface near the edge of the contact it does not converge with finer cells"}
@@ -180,7 +186,7 @@ class PlasticState:
         self.operators = [operator_on(volume, body.moduli) for body in self.bodies]
 
     def start(self, shape: tuple[int, int]) -> State:
-        """Return a state without plastic strain."""
+        """Return a state without plastic strain; the `shape` of the grid follows from the elastic contact instead."""
         state: dict[str, Array] = {"flow": np.zeros(1)}
         for body, operator in zip(self.bodies, self.operators, strict=True):
             plastic = np.zeros((len(operator.basis) + 1, *operator.volume.shape))
@@ -302,7 +308,7 @@ class PlasticState:
         return fields
 
     def _residual_displacements(self, state: State) -> list[Array]:
-        """Return the residual displacement (x, y) [m] of each body's surface, positive into the body."""
+        """Return the surface displacement (x, y) [m] of each body by plastic strain alone, positive into the body."""
         plastics = self._in_volumes(state)
         return [
             operator.residual_displacement(plastic[:-1])
@@ -322,15 +328,17 @@ class PlasticState:
         return {**state, f"plastic{index}": _moved_up(plastic, state[f"edges{index}"], depth)}
 
     def has_onset_of_yield(self, before: State, after: State) -> bool:
-        """Return whether a step added much more plastic strain than all since the last step without plastic flow.
+        """Return whether a step added more than `ABRUPT` times the plastic strain since the last step without flow.
 
-        It has where the plastic strain summed since then is more than 1 + ABRUPT times that before the step, also from
-        0.
+        It did, too, where there was none before and some after.
         """
         return bool(after["flow"][0] > (1 + ABRUPT) * before["flow"][0])
 
     def residual_stress(self, state: State, index: int, deepest: float) -> ResidualStress | None:
-        """Return the residual stress of ``Scene.solids[index]`` down to a depth [m]; None if it does not yield."""
+        """Return the residual stress of ``Scene.solids[index]`` as a function of depths [m]; None if it does not yield.
+
+        It is for depths down to `deepest` [m].
+        """
         self._in_volumes(state)  # the volume grows to hold the state
         for number, body in enumerate(self.bodies):
             if body.index == index:
@@ -466,7 +474,10 @@ def _embedded_state(state: State, body: YieldingBody, volume: Volume) -> Array:
 
 
 def _moved_up(means: Array, edges: Array, depth: Array) -> Array:
-    """Return the means (..., layers, x, y) in layers between `edges` [m] of what lay deeper by a `depth` (x, y) [m]."""
+    """Return the means (..., layers, x, y) over layers of a field after a `depth` (x, y) [m] is removed at the surface.
+
+    `means` (..., layers, x, y) are those before, in layers between `edges` [m]. Below the last one the field is zero.
+    """
     thickness = np.diff(edges)[:, None, None]
     above = np.cumsum(means * thickness, axis=-3)
     above = np.concatenate((np.zeros_like(above[..., :1, :, :]), above), axis=-3)
@@ -478,9 +489,10 @@ def _moved_up(means: Array, edges: Array, depth: Array) -> Array:
 
 
 def _at_depths(middles: Array, values: Array, depths: Array) -> Array:
-    """Return residual stress (6, layers, x, y) at some `depths` (z,) [m], linear between the `middles` of layers [m].
+    """Return the residual stress (6, z, x, y) [Pa] at some `depths` (z,) [m], linear between the middles of layers.
 
-    At the surface, xx, yy and xy are extrapolated, and zz, yz and xz are zero; below the last middle all stay.
+    `values` (6, layers, x, y) [Pa] are the stresses xx, yy, zz, yz, xz, xy at the depths `middles` [m]. At the surface
+    xx, yy and xy are extrapolated, and zz, yz and xz are zero; below the last middle all stay.
     """
     slope = (values[:, 1] - values[:, 0]) / (middles[1] - middles[0])
     surface = values[:, 0] - slope * middles[0]

@@ -1,9 +1,11 @@
-"""Internal variables of bodies and interfaces, their update in a time step, and the contacts on the way.
+"""Creep, wear and fretting: state variables of bodies and interfaces that change with time, and the contacts on the way.
 
-Each has its state before the first load (``start``), what it contributes to the problem at the end of a step
-(``contribution``), its state there (``update``), and the fields of a state that a user is shown (``fields``). A
-contribution and an update follow from the state and the pressure (x, y) [Pa], less the attraction, at the start of the
-step; an update from the pressure at its end too. States are never changed in place: a step may be tried and rejected.
+A class has the state before the first load (``start``), what it contributes to the problem of the contact at the end of
+a step (``contribution``), the state there (``update``), and the fields of a state that a user is shown (``fields``). A
+step is taken in this order: the contribution follows from the state and the pressure (x, y) [Pa] at the start of the
+step, less the attraction; the contact is solved with it; the update follows from both pressures. States are never
+changed in place: a step may be tried and rejected. Plastic strain, which is solved together with the pressure, is in the
+module `plastic`.
 """
 
 from collections.abc import Mapping
@@ -23,9 +25,10 @@ from contactstudy.solvers.fretting import locked_shear, slip_step, transmission_
 from contactstudy.solvers.solution import Solution, Status, TangentialTraction, unloaded
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
-# The arrays that a state variable keeps, by name: all that a checkpoint needs of it.
+# The arrays that a state variable keeps, by name, as its method `start` lists them: all that a checkpoint needs of it.
 State = Mapping[str, Array]
-# Factor on the tolerance of a contact that is solved together with a state variable, into which its error goes.
+# Factor on the tolerance of a contact that is solved again and again together with plastic strain: the residual of that
+# strain holds the error of the contact, which is to be a small part of it.
 COUPLED_TOLERANCE_FACTOR = 0.01
 
 
@@ -60,19 +63,19 @@ class Step:
 
 @dataclass(frozen=True)
 class Contribution:
-    """Contribution of a state variable to the problem at the end of a step.
+    """Contribution of a state variable to the problem of the contact at the end of a step.
 
     Attributes
     ----------
     gap
-        Added to the undeformed gap (x, y) [m]; None adds nothing.
+        Field (x, y) [m] that is added to the undeformed gap; None adds nothing.
     convolved
-        Past pressures times creep compliance (x, y) [-], to be convolved with influence coefficients [m] and added to
-        the gap.
+        Past pressures times their creep compliance (x, y) [-] by influence coefficients [m]: their convolution is added
+        to the gap.
     compliance
-        Added to the weights [1/Pa] of coefficients in the operator.
+        Compliance [1/Pa] by influence coefficients [m], by which displacement under the pressure at the end grows.
     local_compliance
-        Displacement of a cell over its own pressure [m/Pa], one number or (x, y), added to the operator.
+        Displacement of a cell over its own pressure at the end [m/Pa], one number or (x, y), that is added.
     """
 
     gap: Array | None = None
@@ -289,9 +292,10 @@ ERROR_OVER_DIFFERENCE = 4.0
 # locked-in traction from `slope` times the pressure increment in neighbouring cells: at most 2.4 in 30 contacts,
 # smooth, rough and finite, in 1 to 16 steps.
 ERROR_OVER_DEVIATION = 3.0
-# Limit of the traction over its largest increment in a step, which it never reaches.
+# Limit of the traction of cells that stick, over the largest traction that a step would lock in if that were proportional
+# to the pressure: far above what they take.
 UNLIMITED = 1e3
-# Absolute sums below this are zero.
+# A number below this is zero: dividing by more does not overflow.
 TINY = 1e-300
 
 
@@ -309,6 +313,12 @@ class FrettingState:
     sign from step to step. The implicit part enters the contact as a local compliance; slip and contact are iterated to
     a fixed point. A step within a segment of the tangential history that lasts n half periods counts its slip n times
     (cycle jump).
+
+    A state has ``shear`` (2, x, y) [Pa], the traction along x and y on the first body; ``stick`` (x, y), 1 where bodies
+    stick; ``slip_distance`` (x, y) [m]; ``energy`` (x, y) [J/m^2], lost to friction; ``shear_error`` (x, y) [Pa], see
+    :meth:`common_error`; and of the last solution ``residual``, ``applications`` and ``limit`` [Pa], the friction of all
+    cells, each (1,). With wear it also has ``wear_depth`` (x, y) [m], ``slip_iterate`` (x, y) [m], the slip of a half
+    cycle that the contact was solved with, and ``slip_change`` (1,), the error by it over the scale of the gap.
 
     Attributes
     ----------
@@ -379,7 +389,10 @@ class FrettingState:
         )
 
     def next_iterate(self, state: State, end: State, tolerance: float) -> State:
-        """Return `state` with the slip up to the `end` of a step as the next iterate, or itself if that wears alike."""
+        """Return `state` with the slip up to the `end` of a step as the next iterate.
+
+        It is `state` itself where nothing wears, or the gap by the last iterate is right to the `tolerance`.
+        """
         if not self.wear or end["slip_change"][0] <= tolerance:
             return state
         return dict(state) | {"slip_iterate": end["slip_iterate"]}

@@ -292,8 +292,8 @@ ERROR_OVER_DIFFERENCE = 4.0
 # locked-in traction from `slope` times the pressure increment in neighbouring cells: at most 2.4 in 30 contacts,
 # smooth, rough and finite, in 1 to 16 steps.
 ERROR_OVER_DEVIATION = 3.0
-# Limit of the traction of cells that stick, over the largest traction that a step would lock in if that were proportional
-# to the pressure: far above what they take.
+# Limit of the traction of cells that stick, over the largest traction that a step locks in where it is proportional to
+# the pressure: far above what they take.
 UNLIMITED = 1e3
 # A number below this is zero: dividing by more does not overflow.
 TINY = 1e-300

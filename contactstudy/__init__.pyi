@@ -32,7 +32,9 @@ from .progress import Progress as Progress
 from .scene.adhesion import Adhesion as Adhesion
 from .scene.friction import Fretting as Fretting
 from .scene.friction import PartialSlip as PartialSlip
+from .scene.friction import Rolling as Rolling
 from .scene.friction import Sliding as Sliding
+from .scene.friction import TractiveRolling as TractiveRolling
 from .scene.friction import Wear as Wear
 from .scene.loads import Approach as Approach
 from .scene.loads import LineLoad as LineLoad
@@ -56,8 +58,6 @@ from .scene.lubrication import ReynoldsCavitation as ReynoldsCavitation
 from .scene.lubrication import Roelands as Roelands
 from .scene.lubrication import SpeedHistory as SpeedHistory
 from .scene.lubrication import ThermalBody as ThermalBody
-from .scene.rolling import Rolling as Rolling
-from .scene.rolling import TractiveRolling as TractiveRolling
 from .scene.scene import Scene as Scene
 from .scene.shapes.roller import Crown as Crown
 from .scene.shapes.roller import Cylinder as Cylinder

@@ -37,9 +37,8 @@ from contactstudy.lubrication.pseudo_time import FilmControls
 from contactstudy.lubrication.steady_film import solve_lubricated
 from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Field, Problem
-from contactstudy.scene.friction import Wear
+from contactstudy.scene.friction import Wear, check_slow
 from contactstudy.scene.loads import ChangingLoad, LineLoad
-from contactstudy.scene.rolling import check_slow
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.shapes.shape import LengthScales
 from contactstudy.scene.solids.bodies import creeps, instantaneous

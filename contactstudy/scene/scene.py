@@ -38,9 +38,8 @@ from contactstudy.scene.solids.bodies import Body, check_free_faces, creeps
 
 if TYPE_CHECKING:
     from contactstudy.scene.adhesion import Adhesion
-    from contactstudy.scene.friction import Wear
+    from contactstudy.scene.friction import Rolling, Wear
     from contactstudy.scene.lubrication import Lubrication
-    from contactstudy.scene.rolling import Rolling
     from contactstudy.solvers.adhesion import AdhesiveSolver
 
 

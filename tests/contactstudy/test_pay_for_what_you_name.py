@@ -100,7 +100,7 @@ assert cs.solve(scene.problem(grid, exact)).status is cs.Status.CONVERGED
         contactstudy.elasticity.kernels.layer_waves contactstudy.elasticity.kernels.stress contactstudy.evolution
         contactstudy.elasticity.viscoelastic contactstudy.io.dataset contactstudy.lubrication
         contactstudy.scene.adhesion contactstudy.scene.solids.coated contactstudy.scene.friction
-        contactstudy.scene.rolling contactstudy.scene.solids.inelastic
+        contactstudy.scene.solids.inelastic
         contactstudy.scene.stress
         contactstudy.solvers.adhesion contactstudy.solvers.coulomb contactstudy.solvers.plasticity""",
     ),

@@ -37,7 +37,6 @@ from contactstudy.scene import loads
 from contactstudy.scene.adhesion import Adhesion
 from contactstudy.scene.friction import Wear
 from contactstudy.scene.lubrication import Lubrication
-from contactstudy.scene.rolling import Rolling, TractiveRolling
 from contactstudy.scene.scene import Friction, Output
 from contactstudy.scene.shapes import roller
 from contactstudy.scene.shapes import roughness as texture
@@ -402,7 +401,7 @@ class SceneDocument:
     outputs: tuple[Output, ...] = ()
     friction: Friction | None = None
     wear: Wear | None = None
-    rolling: Rolling | None = None
+    rolling: frictions.Rolling | None = None
     lubrication: Lubrication | None = None
     adhesion: Adhesion | None = None
     time_steps: TimeSteps = field(default_factory=TimeSteps)
@@ -443,7 +442,7 @@ KINDS: Mapping[Any, Mapping[str, type]] = {
     AnyLoad: _kinds(
         loads.LineLoad, loads.TotalLoad, MeanPressure, loads.LoadHistory, loads.SineLoad, loads.Approach, loads.PullOff,
     ) | {NO_KIND: loads.LineLoad},
-    Friction: _kinds(frictions.Sliding, frictions.PartialSlip, frictions.Fretting, TractiveRolling),
+    Friction: _kinds(frictions.Sliding, frictions.PartialSlip, frictions.Fretting, frictions.TractiveRolling),
     Output: _kinds(SubsurfaceStress),
     Solver: _kinds(PreconditionedCG, PolonskyKeer),
 }  # fmt: skip

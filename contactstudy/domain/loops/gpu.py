@@ -1,6 +1,7 @@
 """Loops over fields on a GPU: each is one launch of a CUDA kernel in ``loops.cu``.
 
-They do on a GPU what the loops of the same names in the module `compiled` do on the processor.
+They do on a GPU what the loops of the same names in the module `compiled` do on the processor. Blocks of threads share
+the cells of a field, and wait for each other at a barrier where sums over all cells are taken.
 """
 
 from functools import cache, partial
@@ -15,9 +16,11 @@ from contactstudy.domain.device import Array
 
 SOURCE = Path(__file__).with_name("loops.cu")
 # Threads of a block, the least number of cells for each thread, and blocks on each multiprocessor. THREADS and BLOCKS
-# are the ``__launch_bounds__`` of the kernels in ``loops.cu``.
+# are the ``__launch_bounds__`` of the kernels in ``loops.cu``. Since blocks wait for each other, all must be on the GPU
+# at once: two of 512 threads leave each thread 64 of the 65,536 registers of a multiprocessor. With CELLS a small field
+# takes fewer blocks, which wait less.
 THREADS, CELLS, BLOCKS = 512, 2, 2
-# Largest number of sums that a kernel returns.
+# Largest number of sums that a kernel returns; the terms of a conjugate direction are 7.
 MAX_SUMS = 8
 # C type of the numbers in a field, by NumPy's character for its dtype; of a complex field, the type of either part.
 _TYPES = {"d": "double", "f": "float", "D": "double", "F": "float"}
@@ -63,7 +66,7 @@ def _module(real: str, preconditioner: str) -> Any:
 
 
 def described(arguments: tuple[Any, ...]) -> tuple[str, str, int, int]:
-    """Return what the `arguments` of a kernel need: two characters of types, and two numbers of cells.
+    """Return what a launch with these `arguments` of a kernel needs: two characters of types, and two numbers of cells.
 
     The types are that of the first field, and that of a field of the preconditioner, which may have less precision. The
     numbers are those of the cells in the first field and in one row of it. A complex number counts as two cells.

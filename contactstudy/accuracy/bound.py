@@ -108,7 +108,7 @@ def discretisation_bound(
     heights = heights or HiddenHeights.from_problem(problem)
     if heights is None:
         return DiscretisationErrors.unbounded(UNKNOWN_HEIGHTS, no_load)
-    force = _force(solution)
+    force = acting_force(solution)
     inside = heights.effect_under(problem, force)
     if inside.protrudes:
         return DiscretisationErrors.unbounded(PROTRUDING, no_load)
@@ -263,7 +263,7 @@ def end_error(solution: Solution) -> float:
     return error / float(pressure.sum())
 
 
-def _force(solution: Solution) -> Array:
+def acting_force(solution: Solution) -> Array:
     """Return the sum of pressure and attraction (x, y) [Pa], below which heights count; 0 where it is negligible."""
     if solution.adhesion is None:
         return solution.pressure

@@ -16,6 +16,7 @@ import numpy as np
 
 from contactstudy.accuracy.bound import (
     CELL_AT_INTERFACE,
+    acting_force,
     discretisation_bound,
     dundurs_of_shear,
     has_isolated_cells,
@@ -146,7 +147,9 @@ def error_estimate(
         apart = ErrorParts(discretisation=inf, reason="No bound: the bodies do not touch.")
         return _without_pressure(solution, coarse, apart)
     margin = ENDS_MARGIN if problem.source is not None and problem.source.ends_along else 1.0
-    peak_images, images = image_errors(np.abs(solution.net_pressure), problem.grid, problem.paddings, margin)
+    # without the tail of an attraction, which reaches the ends of any grid
+    bending = np.abs(solution.net_pressure) * (acting_force(solution) > 0)
+    peak_images, images = image_errors(bending, problem.grid, problem.paddings, margin)
     residual = residual_errors(solution, _attraction_left(solution))
     # the heights on several grids have the same waves
     with caching(cache_of(problem.undeformed_gap.nbytes)):

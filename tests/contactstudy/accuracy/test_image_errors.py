@@ -112,6 +112,14 @@ def test_pull_off_load_counts_images_left_out(padding: cs.Padding) -> None:
     assert 0 < change < error.images < 0.5
 
 
+def test_tail_of_an_attraction_is_no_contact_at_the_ends() -> None:
+    bodies = cs.HalfSpace(1e6, 0.49), cs.HalfSpace(np.inf, 0.3)
+    adhesion = cs.Adhesion(0.05, range=16e-6)
+    ball = cs.Scene(cs.TotalLoad(1e-3, length=2e-3), bodies, (cs.Sphere(0.01),), adhesion=adhesion)
+    contact = cs.solve(ball, cs.Grid((32, 32), (3e-3, 3e-3)), FREE)
+    assert contact.error.l1.images == 0
+
+
 @pytest.mark.parametrize(("period", "images"), [(2.4, 1), (4.8, 6), (9.6, 2)])
 def test_load_varies_along_a_centred_window_by_the_measured_law(
     period: float, images: int, line_contact: LineContact

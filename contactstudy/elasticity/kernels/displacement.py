@@ -6,8 +6,7 @@ Offsets x across and y along count from the centre of the cell; dx and dy are it
 """
 
 from collections.abc import Callable
-from functools import cache, lru_cache
-from typing import Any
+from functools import cache
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
@@ -67,7 +66,7 @@ def boussinesq_cell(x: ArrayLike, y: ArrayLike, dx: float, dy: float) -> Array:
         result *= 4 * half_x * (half_y / diagonal)
     if close.any():
         x, y = np.broadcast_arrays(x, y)
-        result[close] = _near_and_middle(x[close], y[close], half_x, half_y)
+        result[close] = _near(x[close], y[close], half_x, half_y)
     return result
 
 
@@ -78,11 +77,11 @@ def multipoles(c: Array, q: Array, e: float) -> Array:
     ``e = (dx^2 - dy^2) / (dx^2 + dy^2)``. The mean is ``sqrt(q)`` times the sum over k of ``q^k`` times the moments
     ``< (s / d)^2k P_2k(cos(r, s)) >``, with Legendre's polynomials P and the mean <> over the cell.
     """
-    total, moment = np.zeros_like(q), np.empty_like(q)
-    for polynomial in reversed(_moments_of_cell(e)):
+    total, moment, moments = np.zeros_like(q), np.empty_like(q), np.asarray(polyval(e, _moments()))
+    for k in range(MOMENTS - 1, -1, -1):
         total *= q
-        moment[...] = polynomial[-1]
-        for coefficient in polynomial[-2::-1]:
+        moment[...] = moments[k, k]
+        for coefficient in moments[k, :k][::-1]:
             moment *= c
             moment += coefficient
         total += moment
@@ -114,14 +113,7 @@ def _moments() -> Array:
     return moments
 
 
-@lru_cache(maxsize=8)
-def _moments_of_cell(e: float) -> list[list[Any]]:
-    """Return the coefficients (k, m) of ``c^m`` in the moments of a cell of anisotropy `e`, see :func:`multipoles`."""
-    moments = np.asarray(polyval(e, _moments()))
-    return [list(moments[k, : k + 1]) for k in range(MOMENTS)]
-
-
-def _near_and_middle(x: Array, y: Array, half_x: float, half_y: float) -> Array:
+def _near(x: Array, y: Array, half_x: float, half_y: float) -> Array:
     """Return the integral of 1/r over a cell at offsets (n,) that are too near for an expansion in multipoles.
 
     `half_x` and `half_y` are half its sides.

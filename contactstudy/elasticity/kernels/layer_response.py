@@ -57,7 +57,7 @@ class LayerResponse:
     In the plane of the wave the state at a depth is (2 G k U, 2 G k V, s_zz, s_xz), with the displacement U along the
     wave and V along the normal, the wave number k, and the shear modulus G of the material at that depth. The
     compliance, displacement over stress, is found upwards through the layers from that of the half-space, then the
-    traction on planes of constant depth downwards: neither step has exponentials that cancel.
+    traction on planes of constant depth downwards: neither has exponentials that cancel.
 
     Source: plane strain of bonded layers (Burmister 1945; Johnson 1985, sect. 5.8), and antiplane strain for the
     displacement W along the crests of the wave. It holds for every direction of the wave.
@@ -78,7 +78,7 @@ class LayerResponse:
 
     @property
     def above(self) -> "LayerResponse":
-        """The same layers on a half-space of the deepest layer's material."""
+        """The same layers, but the half-space is of the deepest layer's material: there is one interface less."""
         return LayerResponse(self.shear_ratios[:-1], self.poisson_ratios[:-1], self.interfaces[:-1])
 
     @property
@@ -88,10 +88,9 @@ class LayerResponse:
 
     @property
     def contrasts(self) -> tuple[float, float, float, float]:
-        """Factors of ``exp(-2 k)`` in what the half-space adds, in the order of :meth:`compliances`.
+        """Factors of ``exp(-2 k)`` in :meth:`compliances` less those of :attr:`above`, in their order and units.
 
-        They are of displacement by pressure, by shear along the wave, of their coupling, and by shear across the wave.
-        The coupling of the displacements is over 1 / (2 G) of the top layer, the others are over ``(1 - nu^2) / E``.
+        With them the compliances are those of the half-space alone under the longest waves.
         """
         before, ratio = self.all_shear_ratios[-2:]
         nu1, nu2 = self.poisson_ratios[-2:]
@@ -101,9 +100,9 @@ class LayerResponse:
 
     @property
     def _stiffness_ratio(self) -> float:
-        """Largest over smallest shear modulus, of one layer that of the layer over the half-space, at least 1.
+        """Largest over smallest shear modulus, rigid half-spaces left out; at least 1.
 
-        A rigid half-space does not count.
+        For one layer, which matters where it is stiffer than the half-space, it is that of the layer over the latter.
         """
         elastic = [ratio for ratio in self.all_shear_ratios if ratio]
         ratio = max(elastic) / min(elastic)
@@ -111,10 +110,10 @@ class LayerResponse:
 
     @property
     def pole_distance_from_zero(self) -> float:
-        """Lower bound of the distance of singularities of the remainders from k = 0.
+        """Lower bound of the distance of singularities of the remainders from k = 0 in the complex plane.
 
-        The nearest one of one layer tends to ``k = -(1 - nu1) / (2 m (1 - nu2))`` for a stiff one, with the ratio m of
-        the shear moduli; the bound takes nu1 = 1/2.
+        The nearest singularity of one stiff layer tends to ``k = -(1 - nu1) / (2 m (1 - nu2))``, with the ratio m of
+        the shear moduli; the bound takes nu1 = 1/2. It is taken as 0.2 at most.
         """
         return min(0.2, 0.25 / (1 - min(self.poisson_ratios[1:]))) / self._stiffness_ratio
 
@@ -122,9 +121,10 @@ class LayerResponse:
     def pole_distance_from_real_axis(self) -> float:
         """Lower bound of the distance of poles of the remainders in the right half-plane from the real axis.
 
-        A plate on a soft half-space has one at the cube root of the ratio of moduli; a soft layer between stiff ones,
-        in which they shift, at its square root. On the imaginary axis itself an incompressible layer on a rigid
-        half-space has one at 0.74, where what is integrated along that axis has decayed.
+        With the ratio of moduli m, a stiff layer on a soft half-space has a pole at a distance of m^(-1/3), several
+        layers, as two stiff ones that shear a soft one between them, at m^(-1/2). On the imaginary axis itself an
+        incompressible layer on a rigid half-space has a pole at 0.74, where what is integrated along that axis has
+        decayed.
         """
         power = 1 / 3 if len(self.interfaces) == 1 else 1 / 2
         return float(0.85 * self._stiffness_ratio**-power)
@@ -169,10 +169,10 @@ class LayerResponse:
         return at_depth if depth else compliance, traction
 
     def antiplane(self, k: RealOrComplex, depth: float = 0.0) -> tuple[RealOrComplex, RealOrComplex]:
-        """Return compliance and traction at a depth along the crests of the wave, each of the shape of `k`.
+        """Return compliance and traction at a `depth` along the crests of the wave, each of the shape of `k`.
 
-        The compliance is G k W over the shear, with displacement W along the crests; the traction is the shear over
-        that at the surface.
+        The compliance is G k W over the shear stress there, with the displacement W along the crests; the traction is
+        the shear stress there over that at the surface.
         """
         compliance = through = at_depth = np.ones_like(k)
         for _, factor, top, bottom in self._slabs(depth):
@@ -198,14 +198,18 @@ class LayerResponse:
 
 
 def _inverse(matrix: RealOrComplex) -> RealOrComplex:
-    """Return the inverse of many matrices (k, 2, 2), in a quarter of the time of LAPACK."""
+    """Return the inverse of many matrices (k, 2, 2), in a quarter of the time of LAPACK and with more digits."""
     a, b, c, d = matrix[:, 0, 0], matrix[:, 0, 1], matrix[:, 1, 0], matrix[:, 1, 1]
     inverse = np.stack([d, -b, -c, a], axis=-1) / (a * d - b * c)[:, None]
     return np.asarray(inverse.reshape(-1, 2, 2))
 
 
 def _transfer(t: RealOrComplex, nu: float) -> RealOrComplex:
-    """Return the exponential of t times the derivative of the state of :class:`LayerResponse` (t, 4, 4)."""
+    """Return the matrices (t, 4, 4) that take the state of :class:`LayerResponse` from a depth to one t / k deeper.
+
+    They are the exponential of t times the matrix of the state's derivative, `nu` being Poisson's ratio. Its
+    eigenvalues are 1 and -1, both twice, so that the exponential is a cubic polynomial of the matrix.
+    """
     rate = np.array([[0, 1, 0, 2], [-nu, 0, 1 - 2 * nu, 0], [0, 0, 0, -1], [1, 0, nu, 0]], dtype=float)
     rate[[1, 3]] /= 1 - nu
     cosh, sinh = np.cosh(t), np.sinh(t)
@@ -215,10 +219,11 @@ def _transfer(t: RealOrComplex, nu: float) -> RealOrComplex:
 
 
 class WaveResponse(ABC):
-    """What layers add to the fields of a body under a wave of load, over that load, less what has a closed form.
+    """What layers add to the fields of a body under a wave of load, over the load, in any direction of the wave.
 
-    Subclasses are frozen dataclasses, equal if their responses are: tables and splines are kept for each. Names of
-    fields and the closed form are those of the subclass.
+    A subclass names its fields, and subtracts from them what has a closed form: :meth:`remainders`. Subclasses are
+    frozen dataclasses: tables and splines are kept for equal ones. Wave numbers are in units of the inverse of the
+    thickness, real, or complex where waves decay.
     """
 
     #: Materials and interfaces, which determine the singularities in k.
@@ -248,7 +253,7 @@ class WaveResponse(ABC):
         """
 
     def short_harmonics(self, k: RealOrComplex) -> Mapping[str, Parts]:
-        """Return :meth:`harmonics` without long waves whose field of a line load has a closed form and no end."""
+        """Return :meth:`harmonics` without the closed form of the field of a line load, which reaches to infinity."""
         return self.harmonics(k)
 
     @abstractmethod

@@ -69,12 +69,12 @@ class FieldOverDistance(ABC):
         return self._pieces[number]
 
     def _is_near(self, distance: float) -> bool:
-        """Return whether real waves make the field at a `distance`, from which on those that decay with it are fewer."""
+        """Return whether a field at a `distance` is integrated over real k; beyond, fewer imaginary ones serve."""
         far = NEGLIGIBLE_EXPONENT / self.waves.materials.pole_distance_from_real_axis
         return distance < max(far, self.waves.decay_rate)
 
     def _real_waves(self, distance: float) -> tuple[Array, Array]:
-        """Return Gauss points and weights for integrals over real k of a field that oscillates with ``k distance``."""
+        """Return Gauss points and weights (k,) for integrals over real k of what oscillates with ``k distance``."""
         longest = min(1 / self.waves.decay_rate, 4 * np.pi / distance)
         ends = [0.0, min(self.waves.materials.pole_distance_from_zero, longest)]
         while ends[-1] < NEGLIGIBLE_EXPONENT / self.waves.decay_rate:
@@ -82,7 +82,7 @@ class FieldOverDistance(ABC):
         return composite(np.array(ends))
 
     def _decaying_waves(self, distance: float) -> tuple[Array, Array]:
-        """Return Gauss points and weights for integrals over tau, k = i tau, of what decays as exp(-tau distance)."""
+        """Return Gauss points and weights (tau,) for integrals over k = i tau of what decays as exp(-tau distance)."""
         materials = self.waves.materials
         end = min(materials.pole_distance_from_real_axis, NEGLIGIBLE_EXPONENT / distance)
         start = 1e-3 * min(materials.pole_distance_from_zero, 1 / distance)
@@ -98,7 +98,7 @@ class FieldOfLine(FieldOverDistance):
 
     def __init__(self, waves: WaveResponse) -> None:
         super().__init__(waves)
-        # those that are odd along y are zero
+        # fields that are odd along y are zero
         self._names = [name for name in waves.harmonics(np.ones(1)) if waves.parity(name)[1] > 0]
 
     def _spectra(self, k: RealOrComplex) -> RealOrComplex:

@@ -146,7 +146,7 @@ class Faces:
 
     @cached_property
     def of_both(self) -> Array:
-        """Orthonormal weights (ny, 2 m) of the equal, then of the opposite parts at the nodes of both faces."""
+        """Weights (ny, 2 m), times sqrt(1/2), of the equal, then of the opposite parts at the nodes of both faces."""
         first, second = self.weights * 0.5**0.5, self.weights[::-1] * 0.5**0.5
         return np.concatenate([first + second, first - second], axis=1)
 

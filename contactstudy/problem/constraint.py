@@ -132,8 +132,8 @@ class Gap:
     """Gap between the bodies under a pressure, in units of the gap scale of the problem.
 
     Under a given load the approach is such that the mean height over the active set is zero; else it is the given one.
-    The gap should be zero in these cells, not below zero in cells without
-    pressure, and not above zero in cells at an upper limit.
+    The gap should be zero in the active set, not below zero in cells without pressure, and not above zero in cells at
+    the hardness.
 
     Parameters
     ----------
@@ -219,9 +219,9 @@ def shift_to_load(
 ) -> tuple[float, float]:
     """Return shift and factor with which ``max(p - shift, 0) factor`` of a pressure p at least 0 has the sum `load`.
 
-    The shift is the Lagrange multiplier of the load, by Newton's steps. The pressure has the sum `current_load`, at
-    least `load`, in a number of `loaded_cells`; `load_above` returns both for a shift. The factor corrects what
-    rounding leaves; it is 1 within 16 machine epsilons (`epsilon`).
+    The shift is the Lagrange multiplier of the load, by Newton's steps. The pressure has the sum `current_load` in a
+    number of `loaded_cells`; `load_above` returns both for a shift. A pressure with less than the load is not shifted.
+    The factor, to the load from what is left, is 1 within 16 machine epsilons (`epsilon`).
     """
     shift, before = 0.0, -1.0
     while current_load > load and loaded_cells != before:

@@ -318,7 +318,8 @@ class HertzEllipse:
         curvatures = self.curvature_across, self.curvature_along
         least, largest = sorted(curvatures)
 
-        def excess(log_ratio: float) -> float:  # of the ratio of curvatures that b / a leads to
+        def excess(log_ratio: float) -> float:
+            """Return the ratio of curvatures that ``b / a = exp(log_ratio)`` leads to, less the given one."""
             square = np.exp(2 * log_ratio)  # 1 - e^2
             e, k = ellipe(1 - square), ellipkm1(square)
             return float((e / square - k) / (k - e) - largest / least)

@@ -166,6 +166,7 @@ def _on_axes(across: _Axis, along: _Axis, coefficients: Coefficients) -> Array:
     even_x, even_y = coefficients.parity
 
     def columns(x: Array) -> Array:
+        """Return the coefficients (x, along) at offsets `x` (x,), images along the length included."""
         if along.padding.window is None:
             return coefficients.row(x[:, None], along.offsets, *cell, along.period)
         return _summed(lambda y: coefficients.cell(x, y[:, None], *cell), along, even_y).T
@@ -323,6 +324,7 @@ class Convolution:
         real = self.spectrum.dtype if precision is None else precision.real
 
         def inverse(cells: tuple[int, int]) -> SpectralInverse:
+            """Return the division by the spectrum on a grid of these `cells`."""
             spectrum = at_unpadded_wave_numbers(self.spectrum, cells, self.padded)
             return SpectralInverse(spectrum, cells, self.work_array, real)
 
@@ -453,6 +455,7 @@ def spectrum_of(kind: Coefficients, grid: Grid, paddings: Paddings) -> Any:
     """Return the spectrum of coefficients, real where they are even along both axes, else complex; it is kept."""
 
     def transform() -> Any:
+        """Return the spectrum, computed anew."""
         padded, quadrant = padded_cells(grid, paddings), influence_coefficients(grid, paddings, kind)
         if kind.parity == (1, 1):
             return even_spectrum(quadrant, padded)

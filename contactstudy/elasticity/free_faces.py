@@ -66,7 +66,9 @@ ROWS = 8
 
 
 class FaceTable(NamedTuple):
-    """What one face adds under a unit line load along x that varies as ``cos(k x)``: arrays (point, line) of distances.
+    """Response of a body with one face to a unit line load along x that varies as ``cos(k x)``, less the half-space's.
+
+    Arrays are (point, line), by the distances of both from the face.
 
     The `distances` (n,) of points and lines from the face are in units of 1 / k. Points are on the surface; those of
     `on_face` are on the face, at these distances from the surface.
@@ -127,7 +129,7 @@ def face_table(poisson_ratio: float) -> FaceTable:
 
 @dataclass(frozen=True, eq=False)
 class Faces:
-    """What two faces add to the displacement of the cells between them, or to the load, by the pressure on these cells.
+    """Additional displacement of the cells between two faces, or additional load, by the pressure on these cells.
 
     Fields are known at m distances from each face, the nodes, and interpolated between them. Pressure is divided into a
     part that is equal at both faces and one that is opposite, which do not couple.
@@ -278,6 +280,7 @@ def _images(body: FreeFaceCoefficients, offset: float, grid: Grid, padded: tuple
     """
 
     def spectrum() -> Array:
+        """Return the transform, which is kept."""
         (nx, ny), (dx, dy) = grid.cells, grid.cell_size
         x, y = np.arange(nx)[:, None] * dx, np.abs(np.arange(ny + 1.0) * dy + offset)
         return even_spectrum(body.row(x, y, dx, dy, 2 * body.length), padded)
@@ -304,6 +307,7 @@ def faces_on(body: FreeFaceCoefficients, grid: Grid, across: int, added: str = "
     weights = cardinal(index.ravel(), count).reshape(ny, len(fine), count).mean(axis=1)
 
     def kernel() -> Array:
+        """Return the kernel of :class:`Faces`, which is kept."""
         points = 2 * WIDTHS * nx
         k = 2 * np.pi / (points * dx) * np.arange(points // 2 + 1)
         k[0] = k[1] / (2 * e)  # the mean of a logarithm over half a step is its value there

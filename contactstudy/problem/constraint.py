@@ -365,6 +365,7 @@ class Constraint:
         if self.hardness == inf and not (loaded.shape[0] and float(xp.max(loaded)) > total):
 
             def load_above(shift: float) -> tuple[float, float]:
+                """Return the sum of the pressure above a shift, and the number of cells there."""
                 above = loaded[loaded > shift]
                 return float(xp.sum(above)) - shift * above.shape[0], above.shape[0]
 
@@ -405,7 +406,7 @@ class Constraint:
 
 
 class Control:
-    """What closes the problem: a prescribed `total` or `approach`, of which the other is None.
+    """Condition that closes the problem: a prescribed `total` or `approach`, of which the other is None.
 
     `total` is the load over the area of a cell, which is the sum of the pressure over all cells. Subclasses are
     :class:`PrescribedLoad` and :class:`PrescribedApproach`.

@@ -306,6 +306,7 @@ class CompiledOperations(ArrayOperations):
         """Shift a trial pressure to a `load`, in place, and return the slope of the energy along the step to it."""
 
         def load_above(shift: float) -> tuple[float, float]:
+            """Return the sum of the pressure above a shift, and the number of cells there."""
             above, loaded = self._loops.load_above(trial, shift, results=2).sum(axis=1).tolist()
             return above, loaded
 
@@ -367,6 +368,7 @@ class DeviceOperations(CompiledOperations):
         return float(self._loops.slope(trial, pressure, height, results=1)[0, 0])
 
     def _projected(self, trial: Array, sums: TrialSums, load: float, pressure: Array, height: Array) -> float:
+        """Shift a trial pressure to a `load` as :class:`CompiledOperations` does, by one launch."""
         rounding = 16 * float(np.finfo(trial.dtype).eps)
         numbers = load, sums.load, sums.loaded, rounding
         return float(self._loops.project(trial, *numbers, pressure, height, results=1)[0, 0])

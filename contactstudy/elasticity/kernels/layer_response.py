@@ -78,7 +78,7 @@ class LayerResponse:
 
     @property
     def above(self) -> "LayerResponse":
-        """The same layers, but the half-space is of the deepest layer's material: there is one interface less."""
+        """Response of the same layers where the half-space is of the deepest layer's material: one interface less."""
         return LayerResponse(self.shear_ratios[:-1], self.poisson_ratios[:-1], self.interfaces[:-1])
 
     @property
@@ -219,7 +219,7 @@ def _transfer(t: RealOrComplex, nu: float) -> RealOrComplex:
 
 
 class WaveResponse(ABC):
-    """What layers add to the fields of a body under a wave of load, over the load, in any direction of the wave.
+    """Fields that layers add to those of a body under a wave of load, over the load, in any direction of the wave.
 
     A subclass names its fields, and subtracts from them what has a closed form: :meth:`remainders`. Subclasses are
     frozen dataclasses: tables and splines are kept for equal ones. Wave numbers are in units of the inverse of the

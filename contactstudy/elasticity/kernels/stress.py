@@ -541,6 +541,7 @@ class StressCoefficients:
             near = sorted(range(1 - 2 * periods, 2 * periods), key=abs, reverse=True)
 
             def far_images(u: Array, v: Array, periods: int = periods) -> Array:
+                """Return the sum over images that are at least 2 `periods` away, at a column `u` and a row `v`."""
                 positions, weights = _tail(2 * periods)
                 images = np.outer(positions, (1, -1)).reshape(-1, 1, 1) * period + v
                 stress = self.cell(u, images, dx, dy)
@@ -568,6 +569,7 @@ class StressCoefficients:
         y = y - period * np.round(y / period)
 
         def rows(u: Array, v: Array, numbers: list[int]) -> Array:
+            """Return the sum of rows by their `numbers` across, each less its strip, at columns `u` and a row `v`."""
             images = np.add.outer(np.array(numbers) * width, u.ravel())
             each = images.ravel()
             stress = self.row(each, v, dx, dy, period)

@@ -1,9 +1,14 @@
 """Reynolds' equation on the cells of a grid: flow through faces, balance of each cell, and its linearisation.
 
-Everything is in Hertz units: lengths across and along over a, film thickness over a^2 / R, pressure over p_H. A film of
-thickness ``H`` holds the content ``m = (1 - theta) rho H`` of lubricant per area; the void fraction ``theta`` is zero
-under pressure. The flow through the face between two cells across, 0 upstream of 1, is
-``q = -rho C phi (P1 - P0) / (lambda dX) + W``:
+Everything is in Hertz units: lengths across and along over the half-width a, film thickness over a^2 / R with the radius
+R, pressure over the largest pressure p_H, all of Hertz's contact; density rho and viscosity eta over those at zero
+pressure, ``eta0`` for the latter; flow per length over the mean speed u_m and a^2 / R. Across is along x, in which the
+surfaces move, and upstream towards smaller x; along the length is y, periodic.
+
+A film of thickness ``H`` holds the content ``m = (1 - theta) rho H`` of lubricant per area; the void fraction ``theta``
+is zero under pressure. The flow through the face between two cells across, 0 upstream of 1, at the distance dX is
+``q = -rho C phi (P1 - P0) / (lambda dX) + W`` (Reynolds 1886, discretised here), with the speed parameter lambda of
+:class:`FilmScales`:
 
 - ``phi`` is the logarithmic mean of the fluidity ``eta0 / eta``: the exact mean for Barus' law;
 - ``C = 2 H0^2 H1^2 / (H0 + H1)`` is the exact conductance of a wedge; it vanishes with either film;
@@ -43,14 +48,17 @@ from contactstudy.elasticity.convolution import (
 )
 from contactstudy.scene.lubrication import Cavitation, ElrodAdams, Lubrication
 
-# The logarithmic mean is a series where half the difference of the logarithms is below this.
+# The logarithmic mean is a series where half the difference u of the logarithms is below this: there the next term of
+# the series, u^4 / 120, is below rounding.
 SERIES = 1e-3
-# Cells across without pressure or a balance of the flow: the wedge term needs two upstream.
+# Cells across at the inlet and at the outlet without pressure or a balance of the flow: the wedge term needs two
+# upstream. They are called fixed.
 INLET_CELLS, OUTLET_CELLS = 2, 1
 
+# One boolean for each cell (x, y).
 Mask = NDArray[np.bool_]
 Scalar = TypeVar("Scalar", bound=np.generic)
-# Coefficients (x, y) of the changes in a cell's neighbours, by their offsets across and along.
+# Derivatives (x, y) of a value of each cell by one of a cell beside it, by the offset (across, along) of that cell.
 Bands = Mapping[tuple[int, int], Array]
 
 
@@ -107,14 +115,21 @@ class FilmScales:
 
 @dataclass(frozen=True, eq=False)
 class Deflection:
-    """Displacement under a pressure, by influence coefficients that are ``even`` across, and ``odd`` ones of creep."""
+    """Displacement of both surfaces under a pressure, positive where they move apart.
+
+    The influence coefficients that are ``even`` across are those of elastic bodies; bodies that creep while they move
+    have ``odd`` ones too, and None have elastic bodies alone.
+    """
 
     even: Convolution
     odd: GeneralConvolution | None
 
     @classmethod
     def on(cls, grid: Grid, paddings: Paddings, response: Mapping[Coefficients, float], factor: float) -> "Deflection":
-        """Return the deflection on a grid by the ``response`` of both bodies, times a ``factor``."""
+        """Return the deflection on a grid, times a ``factor``, such as one to Hertz units.
+
+        The ``response`` of both bodies is a sum of influence coefficients with weights.
+        """
         even, odd = by_symmetry(response)
         return cls(
             superposed(even, grid, paddings).scaled(factor, Precision.DOUBLE),
@@ -138,7 +153,7 @@ class Deflection:
 
 @dataclass(frozen=True, eq=False)
 class Film:
-    """State of a film: pressure of the lubricant, void fraction and thickness (x, y), and the separation H0.
+    """State of a film: pressure of the lubricant, void fraction and thickness (x, y), and the separation of the bodies.
 
     Under Reynolds' cavitation ``void`` is the source of lubricant per area in place of a void fraction. The
     thickness is the separation, the gap and the deflection together. ``asperity_pressure`` (x, y) is carried by
@@ -166,7 +181,7 @@ class SqueezeTerm:
 
 
 class _FaceSide(NamedTuple):
-    """Fields (x, y) of the cells on one side of faces."""
+    """Fields (x, y) of the cells on one side of faces; a slope is a derivative by the pressure."""
 
     pressure: Array
     log_fluidity: Array
@@ -193,10 +208,12 @@ class _FaceFlow(NamedTuple):
 class Linearised:
     """The flow balance of the cells to first order in changes of pressure, thickness and void fraction.
 
-    ``residual`` (x, y) is the balance, ``flux`` the flow through the faces across. ``pressure`` at constant thickness,
-    ``thickness`` and ``void`` are bands: the coefficient of offset (i, j) multiplies the change in the cell that far
-    away. Rows of fixed cells are zero. ``content_slopes`` are the derivatives of the content by the three.
-    ``inverse_time_step`` is that of an implicit step, zero for none.
+    ``residual`` (x, y) is the balance of each cell, what flows out less what flows in, times the width of a cell where
+    it is per area. ``flux`` (x - 1, y) is the flow through the faces across. ``pressure`` at constant thickness,
+    ``thickness`` and ``void`` are the derivatives of the balance by these three: the coefficient of offset (i, j)
+    multiplies the change in the cell that far away. Rows of fixed cells are zero. ``content_slopes`` are the
+    derivatives of the content by the three. ``inverse_time_step`` is that of an implicit step in pseudo-time, zero for
+    none.
     """
 
     residual: Array
@@ -209,10 +226,10 @@ class Linearised:
     inverse_time_step: float = 0.0
 
     def with_time_step(self, inverse: float, moved: Array, stored: Array | float) -> "Linearised":
-        """Return the balance with the squeeze term of an implicit Euler step of length 1 / inverse.
+        """Return the balance with the squeeze term of an implicit Euler step of the length 1 / ``inverse``.
 
-        The film that it is squeezed from is lower than that of the linearisation by ``moved`` (x, y). A unit change of
-        pressure stores further content ``stored`` (x, y).
+        The film before the step is thinner than that of the linearisation by ``moved`` (x, y). A unit change of pressure
+        adds further content ``stored`` (x, y), besides that of a compressible lubricant.
         """
         scaled = inverse * self.equation.cell[0] * ~self.equation.fixed
         bands = (
@@ -240,8 +257,8 @@ class FilmEquation:
     """Discrete Reynolds' equation of a lubricated contact in Hertz units.
 
     ``gap`` (x, y) is undeformed, ``deflection`` maps a pressure (x, y) to a displacement, ``cell`` is the size of a
-    cell (across, along), ``speed_parameter`` lambda = 12 eta0 u_m R^2 / (a^3 p_H), ``load`` the mean over y of the sum
-    of P dX. ``speed`` is the present mean speed over the one in ``speed_parameter``. ``log_viscosity`` returns
+    cell (across, along), ``speed_parameter`` that of :class:`FilmScales`, ``load`` the mean over y of the sum of P dX.
+    ``speed`` is the present mean speed over the one in ``speed_parameter``. ``log_viscosity`` returns
     ln(eta / eta0) and its derivative by pressure, ``density`` the same for the ratio to the density at zero pressure.
     The first two cells across and the last have no pressure; the inlet is flooded, or holds no more than a layer
     ``supplied_film``. ``boundary_film`` is the thickness of the boundary film, zero without one.
@@ -261,7 +278,7 @@ class FilmEquation:
 
     @property
     def conserves(self) -> bool:
-        """True if cavitation conserves mass."""
+        """True if cavitation conserves mass, as that of Elrod & Adams; False for that of Reynolds."""
         return isinstance(self.cavitation, ElrodAdams)
 
     @cached_property
@@ -295,14 +312,14 @@ class FilmEquation:
         return np.asarray(self.film_fraction(film) * self.density(film.pressure)[0] * film.thickness)
 
     def film_fraction(self, film: Film) -> Array:
-        """Return the fraction (x, y) of the gap that lubricant fills."""
+        """Return the fraction (x, y) of the gap that lubricant fills, in the inlet no more than the supply does."""
         film_fraction = 1 - film.void if self.conserves else np.ones_like(film.void)
         inlet = film.thickness[:INLET_CELLS]
         film_fraction[:INLET_CELLS] = np.minimum(film_fraction[:INLET_CELLS], self.supplied_film / inlet)
         return film_fraction
 
     def load_residual(self, film: Film) -> float:
-        """Return the load less what lubricant and asperities carry."""
+        """Return the load less what lubricant and asperities carry, over ``p_H a``."""
         carried = film.total_pressure.sum() * self.cell[0] / film.pressure.shape[1]
         return float(self.load - carried)
 
@@ -318,6 +335,7 @@ class FilmEquation:
         by_thickness[:INLET_CELLS] *= film.thickness[:INLET_CELLS] <= self.supplied_film
         slopes = (film_fraction * density_slope * film.thickness, by_thickness, by_void)
         dx, dy = self.cell
+        # Couette flow, and the derivatives of its balance by the contents of the cell and of two upstream
         wedge, by_nearest, by_further = (self.speed * values for values in _couette_flow(content))
         least = self.speed * film_fraction * density * self.boundary_film
         on_boundary = wedge < least
@@ -328,7 +346,7 @@ class FilmEquation:
             (-2, 0): -np.roll(by_further, 1, axis=0),
         }
 
-        # rolled over the ends, faces lie beside fixed cells, whose rows are zero
+        # Poiseuille flow; rolled over the ends across, faces lie beside fixed cells, whose rows are zero
         residual, fluxes = np.zeros_like(content), []
         pressure: dict[tuple[int, int], Array] = {}
         thickness: dict[tuple[int, int], Array] = {}
@@ -349,6 +367,7 @@ class FilmEquation:
         if squeeze is not None:
             residual += dx * (squeeze.rate * content + squeeze.history)
             entrained[0, 0] = entrained[0, 0] + dx * squeeze.rate
+        # what moves with the surfaces changes by the slopes of the content
         void: dict[tuple[int, int], Array] = {}
         moved = [(entrained, zip((pressure, thickness, void), slopes, strict=True))]
         if on_boundary.any():
@@ -385,7 +404,10 @@ def neighbour(values: NDArray[Scalar], offset: tuple[int, int]) -> NDArray[Scala
 
 
 def _poiseuille_flow(upstream: _FaceSide, downstream: _FaceSide, factor: float) -> _FaceFlow:
-    """Return the Poiseuille flow through faces, from the cells ``upstream`` of them to those ``downstream``."""
+    """Return the Poiseuille flow through faces, from the cells ``upstream`` of them to those ``downstream``.
+
+    The ``factor`` is 1 / (lambda dX) across, and dX / (lambda dY^2) along, where a flow acts on the length of a cell.
+    """
     half = (downstream.log_fluidity - upstream.log_fluidity) / 2
     small = np.abs(half) < SERIES
     safe = np.where(small, 1.0, half)

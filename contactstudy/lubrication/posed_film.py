@@ -74,11 +74,20 @@ def lubricated_scales(scene: Scene, mean_speed: float | None = None) -> FilmScal
 class PosedFilm:
     """Film equation in Hertz units on the ``upstream`` part of a grid, beyond which the outlet is cavitated throughout.
 
-    ``x`` are the positions across of its cells over a, and ``operator_on`` makes the deflection in Hertz units on
-    another grid. ``problem`` is the dry contact on the whole grid, with the even part of ``displacement`` [m] under a
-    pressure [Pa]; ``dry_pressure`` (x, y) [Pa] is its pressure. ``instant`` are the scales of this load and speed,
-    where ``scales`` are those of the largest. ``creep`` is the odd part of the displacement, that of each body times
-    the speed [m/s] of its surface; None without creep.
+    Attributes
+    ----------
+    equation, upstream, x
+        The equation, its grid [m], and the positions (x,) across of its cells [a].
+    scales, instant
+        Units of the equation, those of the largest load and speed; and the scales of the present load and speed.
+    operator_on
+        Function from a grid to the deflection in Hertz units on it.
+    problem, dry_pressure
+        The dry contact on the whole grid, and its pressure (x, y) [Pa].
+    displacement
+        Displacement [m] under a pressure [Pa] on the whole grid; its even part is the operator of the dry contact.
+    creep
+        The odd part of the displacement, that of each body times the speed [m/s] of its surface; None without creep.
     """
 
     equation: FilmEquation
@@ -101,7 +110,7 @@ class PosedFilm:
 
     @property
     def upstream_reach(self) -> float:
-        """How far the dry contact reaches upstream [a], at least one."""
+        """Distance from the axis to which the dry contact reaches upstream [a], at least one."""
         return max(1.0, -float(self.problem.grid.x[self.dry_pressure.any(axis=1)][0]) / self.scales.hertz.half_width)
 
     @property
@@ -286,7 +295,8 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings, outlet: float = 
 def prolongated(posed: PosedFilm, coarser: PosedFilm, coarse: FilmIteration) -> tuple[Film, Mask]:
     """Return a film on a finer grid and its cavitated cells, from that on a `coarser` one.
 
-    It is raised to half the minimum thickness on the coarse grid. Cavitated cells keep the content of the coarser ones.
+    It is raised to half the minimum thickness on the coarse grid, as an interpolated film may be negative. Cavitated
+    cells keep the content of the coarser ones.
     """
     equation, (x, y) = posed.equation, (posed.upstream.x, posed.upstream.y)
     blocks = [fine // wide for fine, wide in zip(equation.gap.shape, coarse.cavitated.shape, strict=True)]
@@ -305,8 +315,8 @@ def prolongated(posed: PosedFilm, coarser: PosedFilm, coarse: FilmIteration) -> 
 def hertz_start(posed: PosedFilm) -> Film:
     """Return a film of Hertz's pressure, or that of the dry contact under a crown, without contact of asperities.
 
-    Its minimum is Moes' film, or the boundary film where that is thicker.
-    Hertz's pressure is as wide as the part of a thick film that carries load.
+    Its minimum is Moes' film, or the boundary film where that is thicker. Hertz's pressure is as wide as the part of a
+    thick film that carries load.
     """
     equation = posed.equation
     if posed.is_crowned:

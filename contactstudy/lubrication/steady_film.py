@@ -1,10 +1,10 @@
 """Steady film on one grid: nested grids, continuation in speed where a cold start fails, and the contact in SI units.
 
-In mixed lubrication the film ``H = H0 + gap + K (P_f + P_c)`` is no thinner than the boundary film ``H_b``, and where
-``H = H_b`` asperities carry a pressure ``P_c >= 0``. Lubricant flows in every cell, by its own pressure ``P_f`` and the
-thickness. Transverse ridges may have two solutions at one speed: ridges in a thick film, or flattened by contact. The
-film at a higher speed leads to the first where it exists, the dry contact to the second. Where cold starts fail, any
-film is followed from a higher speed down.
+In mixed lubrication the film ``H = H0 + gap + K (P_f + P_c)``, with the separation H0 and the deflection K of the
+bodies, is no thinner than the boundary film ``H_b``, and where ``H = H_b`` asperities carry a pressure ``P_c >= 0``.
+Lubricant flows in every cell, by its own pressure ``P_f`` and the thickness. Transverse ridges may have two solutions
+at one speed: ridges in a thick film, or flattened by contact. The film at a higher speed leads to the first where it
+exists, the dry contact to the second. Where cold starts fail, any film is followed from a higher speed down.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -126,17 +126,16 @@ def _first_converged(films: Iterable[FilmIteration], tolerance: float) -> FilmIt
 def _films(posed: PosedFilm, controls: FilmControls, before: FilmSolution | None = None) -> Iterator[FilmIteration]:
     """Iterate over films from several starts, the best first: one `before`, cold starts, and higher speeds.
 
-    On a boundary film the cold starts are the film of the lubricant alone where that is thicker, Hertz's pressure on
-    the film of Moes, and the dry contact, which comes first where the film of Moes is thinner than the boundary film.
-    In plane strain alone it is followed from higher speeds.
+    A film is solved when it is asked for. On a boundary film the cold starts are the film of the lubricant alone where
+    that is thicker, Hertz's pressure on the film of Moes, and the dry contact, which comes first where the film of Moes
+    is thinner than the boundary film. In plane strain alone it is followed from higher speeds.
     """
     equation, is_thick = posed.equation, posed.scales.expected_film > posed.equation.boundary_film
     if before is not None:
         film, cavitated = start_from(posed, before)
         time_step = controls.time_step if before.grid == posed.problem.grid else STEP_AFTER_COARSER
-        if equation.boundary_film:
-            is_dry = 2 * film.asperity_pressure.sum() > film.total_pressure.sum()
-            time_step = FROM_DRY if is_dry else controls.time_step
+        if 2 * film.asperity_pressure.sum() > film.total_pressure.sum():
+            time_step = FROM_DRY
         yield iterate(equation, film, replace(controls, time_step=time_step), cavitated=cavitated)
     if not equation.boundary_film:
         yield _nested(posed, controls)
@@ -189,9 +188,9 @@ def _from_higher_speed(
 ) -> Iterator[FilmIteration]:
     """Yield the film that is followed from the first higher speed where a ``cold`` start converges down to this speed.
 
-    The ``steps`` are those of `SPEEDS`. Each lower speed starts from the last; a step down that fails is tried again
-    with the square root of its factor. There is none where no higher speed converges, or the factor falls below the
-    least.
+    The ``steps`` are `SPEEDS` or `MIXED_SPEEDS`. Each lower speed starts from the last; a step down that fails is tried
+    again with the square root of its factor. There is none where no higher speed converges, or the factor falls below
+    the least.
     """
     factor, most, least = steps
     wanted = posed.equation.speed_parameter
@@ -246,7 +245,7 @@ def _other_films(posed: PosedFilm, controls: FilmControls) -> Iterator[FilmItera
 
 
 def _differs(posed: PosedFilm, last: FilmIteration, other: FilmIteration) -> bool:
-    """Return whether two films have distinct mean thicknesses in the Hertzian zone, or asperity loads."""
+    """Return whether two films have distinct mean thicknesses within Hertz's contact, or loads on asperities."""
     inside = np.abs(posed.x) < 1
     films = last.film, other.film
     first, second = (film.thickness[inside].mean() for film in films)

@@ -46,9 +46,7 @@ NO_BOUND_OF_FILMS = "No bound for the discretisation error of a film at one inst
 # Reasons for which a number has no bound until it is compared with solutions on coarser cells; these then give the
 # bound.
 BY_GRIDS = frozenset({NO_ESTIMATE, NO_BOUND_OF_STATES, NO_BOUND_OF_FILMS})
-
-
-# Outcomes of steps after which nothing is known of the error.
+# Outcomes of steps after which nothing is known of the error: later instants follow from a state that is none.
 WITHOUT_EQUILIBRIUM = (Status.NOT_CONVERGED, Status.FILM_NOT_CONVERGED, Status.SHEAR_BEYOND_YIELD, Status.WORN_THROUGH)
 
 
@@ -300,14 +298,14 @@ def _until_worn_through(scene: Scene, times: Array, frames: Iterable[Frames]) ->
 
 
 def _unbounded(frame: Frames, reason: str) -> Frames:
-    """Return an answer whose errors have no bound, for a reason."""
+    """Return an answer whose errors by the cells are infinite, for a `reason` that its warnings say first."""
     parts: dict[str, Any] = {name: replace(part, discretisation=inf, reason=reason) for name, part in frame.error}
     warnings = reason, *frame.error.warnings
     return replace(frame, estimate=replace(frame.error, warnings=warnings, **parts))
 
 
 def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
-    """Return a recorded frame as an answer; its gap includes the wear depth and the residual displacement.
+    """Return a recorded frame of a trajectory as an answer; its gap includes wear depth and residual displacement.
 
     The errors of a frame without an estimate are those of a contact at rest, with those by the steps where it has worn.
     """
@@ -346,8 +344,8 @@ def passes_answer(rolled: "RepeatedRolling", requested: Request | None = None) -
     """
     unknown = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_PASSES)
     shapes, grid = rolled.description.scene.shapes, rolled.description.grid
-    coarse = unresolved(shortest_wavelengths(shapes), grid)
-    of_heights = standing_heights(shapes), coarse, *left_out(shapes, grid)
+    unresolved_waves = unresolved(shortest_wavelengths(shapes), grid)
+    of_heights = standing_heights(shapes), unresolved_waves, *left_out(shapes, grid)
     warnings = (NO_BOUND_OF_PASSES, *filter(None, of_heights))
     estimate = ErrorEstimate(unknown, unknown, unknown, unknown, warnings=warnings)
     frames = tuple(
@@ -367,11 +365,11 @@ def films_answer(films: "FilmTrajectory", requested: Request | None = None) -> E
 
     first = films.contacts[0]
     posed = PosedScene(first.scene, first.grid, first.padding)
-    coarse = unresolved(shortest_wavelengths(first.scene.shapes), first.grid)
+    unresolved_waves = unresolved(shortest_wavelengths(first.scene.shapes), first.grid)
     frames = []
     for contact, time, steps in zip(films.contacts, films.times, films.time_discretisation_errors, strict=True):
         l1 = ErrorParts(discretisation=inf, steps=float(steps), reason=NO_BOUND_OF_FILMS)
-        warnings = (*filter(None, (coarse,)), NO_BOUND_OF_FILMS)
+        warnings = (*filter(None, (unresolved_waves,)), NO_BOUND_OF_FILMS)
         frames.append(film_answer(contact, time=time, estimate=ErrorEstimate(l1, warnings=warnings)))
     kept = _until_worn_through(first.scene, np.array(films.times), frames)
     films = replace(films, contacts=films.contacts[: len(kept)], times=films.times[: len(kept)])

@@ -12,6 +12,7 @@ in ``stationary``.
 """
 
 import json
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -592,8 +593,13 @@ def _converter() -> Any:
     def is_array(kind: Any) -> bool:
         return np.ndarray in (kind, get_origin(kind))
 
+    def is_counter(kind: Any) -> bool:
+        return get_origin(kind) is Counter
+
     converter.register_unstructure_hook_func(is_array, lambda values: values)
     converter.register_structure_hook_func(is_array, lambda values, _: values)
+    # a convolution of half the grid counts as a half
+    converter.register_structure_hook_func(is_counter, lambda values, _: Counter(values))
     converter.register_unstructure_hook(Problem, lambda _: None)
     converter.register_structure_hook(Problem, lambda values, _: values)
     return converter

@@ -67,7 +67,7 @@ def test_a_killed_integration_goes_on_to_the_same_bits(
     scene, times = rolling_cylinder(SOLID, load, wear=cs.Wear(0.1, 1.0)), np.linspace(0, 1, 9)
     integrated = partial(evolve, scene, COARSE, EXACT, times=times, error=error)
     whole, write = integrated(), checkpoint.Checkpoint.write
-    for files in (9, 10):
+    for files in (9, 10, 13):
         written: list[str] = []
 
         def killed(*arguments: Any, files: int = files, written: list[str] = written) -> None:
@@ -88,6 +88,7 @@ def test_a_killed_integration_goes_on_to_the_same_bits(
             np.testing.assert_array_equal(one.pressure, other.pressure)
             np.testing.assert_array_equal(one.gap, other.gap)
             assert one.errors_by_steps == other.errors_by_steps
+            assert one.convolutions == other.convolutions
         assert again.counts == whole.counts
     np.testing.assert_array_equal(pressures(integrated(folder=folder)), pressures(whole))
 

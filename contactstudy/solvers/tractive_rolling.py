@@ -113,24 +113,25 @@ class TractiveShear:
         rolling: RollingTraction | None = None
         residual, applications, convolutions = 0.0, 0, 0.0
 
-        def gap_change(pressure: Array) -> Array:
-            """Return the change of the gap (x, y) [m] by the traction under a pressure, which becomes `rolling`."""
+        def found(pressure: Array) -> RollingTraction:
+            """Return the traction under a pressure (x, y) [Pa], from that before on, which becomes `rolling`."""
             nonlocal rolling, residual, applications, convolutions
             rolling, residual, work = self.steady(problem.grid, pressure, options, rolling)
             applications, convolutions = applications + rolling.iterations, convolutions + work
-            if self.coupling is None:
-                return np.zeros_like(pressure)
-            convolutions += 2
-            return self.coupling.gap(rolling.shear)
+            return rolling
 
-        if self.coupling is not None:
-            normal = solve_with_mixing(problem, gap_change, options, start, device, MAX_COUPLED_ITERATIONS).solution_of(
-                problem
-            )
-        else:
+        if (coupling := self.coupling) is None:
             normal = solve_contact(problem, options, start, device)
             if normal.pressure.any():
-                gap_change(normal.pressure)
+                found(normal.pressure)
+        else:
+
+            def gap(pressure: Array) -> Array:
+                """Return the change of the gap (x, y) [m] by the traction under a pressure."""
+                return coupling.gap(found(pressure).shear)
+
+            lagged = solve_with_mixing(problem, gap, options, start, device, MAX_COUPLED_ITERATIONS)
+            normal, convolutions = lagged.solution_of(problem), convolutions + 2 * lagged.outer_iterations
         if rolling is None:
             acts = transmission_status(self.force_per_length or 0.0, normal.pressure, problem.grid)
             no_shear, no_stick = np.zeros((2, *problem.grid.cells)), np.zeros(problem.grid.cells, dtype=bool)
@@ -156,7 +157,7 @@ class TractiveShear:
         work, grids = 0.0, coarser_grids(grid) if last is None else [grid]
         for level in grids:
             limit = on_cells(self.coefficient * pressure, level.cells)
-            limit = np.where(limit < 1e-12 * limit.max(), 0, limit)
+            limit = np.where(limit < 1e-12 * limit.max(), 0, limit)  # without what means over cells round to
             dx = float(np.copysign(level.cell_size[0], self.speed))
             elastic_slip = ElasticSlip(self.shear_response(level), dx)
             displacement = on_grid(by_pressure, level)

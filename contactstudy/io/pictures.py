@@ -271,17 +271,18 @@ def picture_of(dataset: xr.Dataset) -> Figure | None:
 
 
 def _picture(dataset: xr.Dataset, kind: Kind) -> Figure:
-    """Return a figure of a dataset with a panel for each variable of its `kind` that has values."""
+    """Return a figure of a dataset with a panel for each variable of its `kind` that has values, or for all."""
     if kind.reach < inf:
         dataset = _inside(dataset, kind.reach)
-    drawn = [
+    named = [
         (draw, str(name))
         for variable, draw in kind.panels
         for name in dataset
         if re.fullmatch(rf"{variable}(_\d+)?", str(name))
-        if name in ALWAYS_DRAWN or (np.isfinite(dataset[name]) & (dataset[name] != 0)).any()
         if draw not in (_map, _along) or dataset.sizes["y"] > 1
     ]
+    has_values = ((np.isfinite(dataset[name]) & (dataset[name] != 0)).any() for _, name in named)
+    drawn = [panel for panel, has in zip(named, has_values, strict=True) if has or panel[1] in ALWAYS_DRAWN] or named
     with mpl.rc_context(SETTINGS):
         columns = 3 if len(drawn) > 4 and kind.width < 5 else 2
         figure, axes = panels(len(drawn), columns=columns, width=kind.width, height=3.4)

@@ -41,3 +41,12 @@ def test_profiles_map_numbers_and_known_errors_are_drawn_over_time() -> None:
     assert numbers.lines[0].get_xydata() == pytest.approx(np.transpose([TIME, [0.25, 0.5, 1, 1]]))
     [steps] = errors.lines
     assert steps.get_xydata() == pytest.approx(np.array([[1, 1e-3], [4, 1e-2]]))
+
+
+def test_passes_in_which_nothing_yields_are_drawn_too() -> None:
+    depths = {"z": ("z", [1e-5, 2e-5], {"units": "m"}), "component": ["xx", "yy"], "pass_number": [1, 2]}
+    strain = ("pass_number", "z"), np.zeros((2, 2)), {"long_name": "plastic strain", "units": "1"}
+    stress = ("pass_number", "component", "z"), np.zeros((2, 2, 2)), {"long_name": "stress", "units": "Pa"}
+    figure = picture_of(xr.Dataset({"residual_stress": stress, "equivalent_plastic_strain": strain}, coords=depths))
+    assert figure is not None
+    assert all(len(ax.lines) == 2 for ax in figure.axes)

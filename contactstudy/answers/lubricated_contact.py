@@ -1,4 +1,9 @@
-"""The answer for a lubricated contact."""
+"""The answer for a lubricated contact: a film with the bounds of its numbers.
+
+A bound is a margin times the largest change of a number between the film and those on a half, a third and a quarter of
+the cells along each axis, with the change from half the cells to as large cells over twice the width: that tells the
+error by the finite inlet. Numbers with a law of their own are in `LubricatedContact._by_laws_of_films`.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
@@ -43,8 +48,9 @@ OF_IMAGES = (
     "No bound: padding is {!r}, and the error of a film by the images that it leaves out is not estimated, give "
     "ExactPeriodicity()."
 )
-# A friction of a Newtonian stress that changes by more than this from half the cells, and by more than from a quarter to
-# half, may grow with the cells.
+# A friction that changes by more than this from half the cells, and by more than from a quarter to half, may grow with
+# the cells, as that of a Newtonian stress below a spike. Smaller changes are within the bound: of 349 random films 4
+# had a friction beyond it.
 NOTICEABLE = 0.02
 GROWS = (
     "No bound: from half the cells it changes by {:.2g} %, more than from a quarter to half, so that it may grow with "
@@ -120,12 +126,16 @@ class LubricatedContact(Answer, FilmSolution):
         return found | self._by_laws_of_films(found)
 
     def _by_laws_of_films(self, found: Quantities) -> dict[str, Quantity]:
-        """Return the quantities whose bounds are by more than their changes between grids."""
+        """Return those quantities of ``found`` whose bounds are not by their changes between grids alone.
+
+        They are the power loss, the meniscus, numbers by sliding whose friction may grow with the cells, and numbers of
+        asperities that do not touch.
+        """
         power, sliding, rolling = (found[name] for name in ("power_loss", "sliding_loss", "rolling_resistance"))
-        # its parts may change against each other
+        # the bound of the power loss is at least that of its parts, which may change against each other
         of_parts = sliding.bound + rolling.bound * self.load_per_length * self.mean_speed
         changed = {"power_loss": replace(power, bound=max(power.bound, of_parts))}
-        if "meniscus" in found:  # it lies between two cells
+        if "meniscus" in found:  # a meniscus lies between two cells
             meniscus = found["meniscus"]
             changed["meniscus"] = replace(meniscus, bound=meniscus.bound + self.grid.cell_size[0])
         frictions = [film.friction for k, film in self._below.items() if k != 3]

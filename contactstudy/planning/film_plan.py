@@ -32,27 +32,32 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Factor on the error that the most cells reach, which is then said in two digits.
 ROUNDED_UP = 1.1
-# Matrices (x, x) held in plane strain, and of a film that varies along its length in the Fourier stage.
+# Matrices (x, x) of double precision held in plane strain, and of a film that varies along its length, where the Fourier
+# stage of its linear solver has several for each harmonic while they are inverted.
 LINE_MATRICES, FOURIER_MATRICES = 6, 50
-# Floats held per cell, mostly the basis of the Krylov space.
+# Floats held per cell of such a film: 120 in the basis of GMRES, and some 60 of fields and their derivatives.
 FLOATS_PER_CELL = 180
 # On cells of half an inlet pressure sweep the minimum film has this relative error, as at M = 200, L = 5; on cells of a
 # whole one it has six times as much.
 HALF_SWEEP_ERROR = 0.02
-# Least distance of the inlet's edge from the axis [a], above MIN_WIDTH, and the largest inlet sweep over the half-width
-# of the pressure: a light load has no pressure spike, and its pressure rises over the half-width.
+# Least distance of the inlet's edge from the axis [a], somewhat above the MIN_WIDTH of a grid on which a film is solved,
+# and the largest inlet sweep over the half-width of the pressure: a light load has no pressure spike, and its pressure
+# rises over the half-width.
 INLET, INLET_SWEEP_FRACTION = 1.25, 0.1
 # The most cells across of plane strain, by default and for a requested error: some seconds, and a minute.
 MAX_CELLS, MAX_REQUESTED_CELLS = 3200, 6400
-# Least factor on the error that is aimed at where one takes more cells than are allowed.
+# Least factor on the error that is aimed at where one takes more cells than are allowed: the error that they reach is
+# met within it.
 AIMED_STEP = 1.05
 # Length [m] of a grid in plane strain, where none is given: it has no effect.
 PERIOD = 1e-3
-# Cells along the length on which the dry contact of a shape that varies along it is solved.
+# Cells along the length on which the dry contact of a shape that varies along it is solved, to tell its width alone.
 DRY_CELLS_ALONG = 16
-# Factor on the cells that the film needs, from which cells are not refined for friction, heat and load fraction.
+# Factor on the cells that the film needs, from which cells are not refined for friction, heat and load fraction: the
+# friction below a pressure spike would take any number of them.
 REFINED_FOR_MOTION = 2.0
-# Cells for the shortest wavelength of a surface, and along a roller with ends, a crown, a profile or a tilt.
+# Cells for the shortest wavelength of a surface, which show its height to 3 %, and along a roller with ends, a crown, a
+# profile or a tilt.
 CELLS_PER_WAVE, CELLS_ALONG_ROLLER = 8, 48
 # The dry contact that tells how far a rough film reaches: its cells across, its largest width over the half-width of
 # Hertz, and the fraction of the load that asperities further out must carry to count.
@@ -193,14 +198,15 @@ def film_grid(
     if shortest_wavelengths[1] < inf:
         along = ROW_MULTIPLE * ceil(CELLS_PER_WAVE * period / shortest_wavelengths[1] / ROW_MULTIPLE)
     if scene.roller_length is not None:
-        along = max(along, ROW_MULTIPLE * ceil(CELLS_ALONG_ROLLER / ROW_MULTIPLE))
+        along = max(along, CELLS_ALONG_ROLLER)
     return Grid((across, along), (2 * inlet * a, period))
 
 
 def dry_reach(scene: Scene, period: float, cells_along: int) -> float:
     """Return how far the dry contact reaches from x = 0, over Hertz's half-width and at least that.
 
-    Asperities further out that carry less than the fraction ``LIGHTLY_LOADED`` of the load do not count.
+    Asperities further out that carry less than the fraction ``LIGHTLY_LOADED`` of the load do not count. The contact is
+    solved over a ``period`` [m], on wider and wider grids until it fits.
     """
     if scene.hertz is None or all(isinstance(shape, Cylinder) for shape in scene.shapes):
         return 1.0
@@ -265,6 +271,7 @@ def finer_film_grid(
             return None
     if inlet + cells <= error or nx >= most_cells:
         return None
+    # errors of second order, with a quarter more cells than half the remaining error takes; at most doubled at once
     finer = min(max(1.0, sqrt(2.5 * cells / remaining)), 2.0)
     # a multiple, so that the cells of the coarser grids are unions of cells
     across = min(ROW_MULTIPLE * ceil(nx * longer * finer / ROW_MULTIPLE), most_cells)

@@ -1,4 +1,8 @@
-"""Quantities of a lubricated contact."""
+"""Numbers of a lubricated contact by name, with units, labels and, as far as they need no further film, bounds.
+
+A bound is infinite until a film is compared with others, which ``contactstudy.answers.lubricated_contact`` does; the
+reasons why some numbers never get one are set here.
+"""
 
 from collections.abc import Mapping
 from dataclasses import replace

@@ -28,17 +28,11 @@ from contactstudy.evolution.states.plastic import (
     step_solution,
 )
 from contactstudy.evolution.states.state_variables import WarmStartedContact, solved_or_unloaded, with_added_gap
-from contactstudy.problem.problem import Problem
 from contactstudy.scene.loads import ConstantLoad
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.solids.bodies import creeps, instantaneous
 from contactstudy.solvers.conjugate_gradients import contact_tangent
-from contactstudy.solvers.plasticity import (
-    Hardening,
-    Tangent,
-    YieldingBodies,
-    solve_elastoplastic_step,
-)
+from contactstudy.solvers.plasticity import Hardening, Tangent, YieldingBodies, solve_elastoplastic_step
 from contactstudy.solvers.solution import Counts, Solution, Status, unloaded, worst
 from contactstudy.solvers.solve import SolveOptions
 
@@ -165,8 +159,8 @@ class RepeatedRolling:
     """Passes of a contact over an elastic-plastic half-space.
 
     Arrays are (pass, z) or (pass, component, z): components xx, yy, zz, yz, xz, xy with x in the direction of travel
-    and z into the body, stress tension positive. Each is taken at the left edge of the
-    grid after the pass: far behind the contact, where nothing changes along x, unless the status is PASS_NOT_STEADY.
+    and z into the body, stress positive in tension. Each is taken at the left edge of the grid after the pass: far
+    behind the contact, where nothing changes along x, unless the status is PASS_NOT_STEADY.
 
     Attributes
     ----------
@@ -341,7 +335,11 @@ def roll_repeatedly(
     body = _single_yielding_body(scene)
     elastic = replace(scene, solids=instantaneous(scene.solids), rolling=None)
     problem = elastic.problem(grid, padding)
-    _check_grid(problem)
+    if grid.cells[1] > 1:
+        raise InvalidInput(
+            f"Grid.cells[1] is {grid.cells[1]}: repeated rolling is supported in plane strain only, give 1 cell along."
+        )
+    check_paddings(problem)
     length, cell = problem.scales.length, grid.cell_size[0]
     volume = Volume(grid, 0, grid.cells[0], layers(grid, length, INITIAL_DEPTH * length))
     operator = PlaneStrainOperator(volume, body.moduli)
@@ -508,13 +506,3 @@ def _single_yielding_body(scene: Scene) -> YieldingBody:
             "elastic or rigid HalfSpace that rolls on it."
         )
     return bodies[0]
-
-
-def _check_grid(problem: Problem) -> None:
-    """Raise InvalidInput for a grid or a padding on which repeated rolling has no operator."""
-    if problem.grid.cells[1] > 1:
-        raise InvalidInput(
-            f"Grid.cells[1] is {problem.grid.cells[1]}: repeated rolling is supported in plane strain only, "
-            "give 1 cell along."
-        )
-    check_paddings(problem)

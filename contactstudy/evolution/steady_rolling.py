@@ -12,13 +12,12 @@ from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.elasticity.convolution import Coefficients, by_symmetry, general_convolutions, superposed
-from contactstudy.problem.constraint import largest_of
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.shapes.shape import ShapesSource
 from contactstudy.scene.solids.bodies import creeps, instantaneous, response
 from contactstudy.scene.solids.inelastic import rolling_bodies
-from contactstudy.solvers.solution import Solution, Status, worst
+from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import LaggedSolution, SolveOptions, solve_contact, solve_with_mixing
 
 # Fine cells per cell across, at least 2, and the largest number of fine cells beyond that, for the retarded displacement
@@ -180,13 +179,8 @@ def solve_rolling(
         last = lagged.solution
         with_shear = replace(last.problem, friction=friction_solver)
         sheared = solve_contact(with_shear, options, last.pressure)
-        both = replace(
-            sheared,
-            status=worst([last.status, sheared.status]),
-            residual=largest_of(last.residual, sheared.residual),
-            iterations=last.iterations + sheared.iterations,
-            convolutions=last.convolutions + sheared.convolutions,
-        )
+        assert sheared.traction is not None
+        both = sheared.with_traction(sheared.traction, last.status, last.residual, last.iterations, last.convolutions)
         lagged = replace(lagged, solution=both, outer_iterations=lagged.outer_iterations + 1)
     solve_on = partial(solve_rolling, scene, padding=padding, options=options)
     return SteadyRolling(lagged, antisymmetric_weights, solve_on, -1 if speed < 0 else 1)

@@ -30,12 +30,7 @@ from contactstudy.problem.problem import Field, Problem, ResidualStress
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.solids.inelastic import ElasticPlasticHalfSpace
 from contactstudy.solvers.conjugate_gradients import contact_tangent
-from contactstudy.solvers.plasticity import (
-    ElastoplasticStep,
-    Hardening,
-    YieldingBodies,
-    solve_elastoplastic_step,
-)
+from contactstudy.solvers.plasticity import ElastoplasticStep, Hardening, YieldingBodies, solve_elastoplastic_step
 from contactstudy.solvers.solution import CoupledSolution, Solution, Status, net_pressure
 
 # Before each step a volume grows until the stress of the contact, without further plastic flow, is below this fraction

@@ -1,4 +1,10 @@
-"""Steady rolling of a viscoelastic contact, in the frame of the contact."""
+"""Steady rolling of a contact whose bodies creep or are elastic, in the frame of the contact.
+
+In this frame nothing changes with time. A viscoelastic body's displacement has a part at once and a retarded one, which
+trails behind the pressure: it is a convolution, with a part that is even in x and acts as a compliance, and one that is
+odd in x, which makes the pressure asymmetric and loses energy. The even part belongs to the operator of the contact; the
+odd part is lagged, which means that it follows from the pressure of the iteration before.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -20,10 +26,11 @@ from contactstudy.scene.solids.inelastic import rolling_bodies
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import LaggedSolution, SolveOptions, solve_contact, solve_with_mixing
 
-# Fine cells per cell across, at least 2, and the largest number of fine cells beyond that, for the retarded displacement
-# under the pressure.
+# Fine cells per cell across, for the retarded displacement under the pressure: on 32 cells across the resistance is then
+# right to 5e-4, a tenth of its change to 128 cells. There are fewer fine cells per cell, at least 2, where all of them
+# would be more than this number.
 REFINEMENT, MAX_FINE_CELLS = 8, 2**17
-# A shift of the pressure below this fraction of the grid's width is rounding.
+# A shift of the pressure below this fraction of the grid's width is rounding: some fifty units of it.
 ROUNDING = 1e-14
 
 
@@ -36,7 +43,8 @@ class SteadyRolling:
     lagged
         The contact in its own frame, with the number of outer iterations.
     antisymmetric_weights
-        Coefficients [m] and weights [1/Pa] of the displacement that is odd in x.
+        Weights [1/Pa] of the influence coefficients [m] that make the displacement that is odd in x; none of elastic
+        bodies.
     solve_on
         Solves the same scene on another grid.
     direction
@@ -91,9 +99,10 @@ class SteadyRolling:
         return self.direction * float(work / pressure.sum())
 
     def error_estimate(self, coarse: Solution | None = None) -> ErrorEstimate:
-        """Return the estimated errors of the contact, with that on cells of twice the size if it is at hand.
+        """Return the estimated errors of the contact.
 
-        The change of the pressure in the last outer iteration adds to the residual, which is infinite where the
+        `coarse` is its solution on cells of twice the size, if it is at hand; else the contact is solved there. The
+        change of the pressure in the last outer iteration adds to the residual, which is infinite where the
         iterations did not converge.
         """
         estimate, status = error_estimate(self.solution, coarse=coarse), self.solution.status

@@ -257,7 +257,9 @@ class PlasticState:
         parts = zip(self.bodies, self.operators, self._stress_of_friction(solution), strict=True)
         for body, operator, friction in parts:
             stress = operator.stress_of_pressure(pressure) + friction
-            nearly_yields.append(1.5 * (stress**2).sum(axis=0) > (NEAR_YIELD * body.hardening.yield_stress) ** 2)
+            exceeds = 1.5 * (stress**2).sum(axis=0) > (NEAR_YIELD * body.hardening.yield_stress) ** 2
+            # a body that flows keeps the stress of a load far beyond yield from so great depths
+            nearly_yields.append(exceeds & (operator.volume.depths[:, None, None] < operator.volume.grid.extent[0]))
         return nearly_yields
 
     def _solve_with_friction(

@@ -29,7 +29,6 @@ from contactstudy.accuracy.error_terms import (
     ENDS_MARGIN,
     IMAGES_REMEDY,
     L1_OVER_NARROWING,
-    RangeErrors,
     ResidualErrors,
     image_errors,
     load_range_error,
@@ -159,32 +158,35 @@ def error_estimate(
     of_net, peak_of_net = over_net(solution)
     no_bound = warnings[0] if warnings else ""
     no_peak, no_load = (no_bound if error == inf else "" for error in (cells.peak_pressure, cells.load))
-    l1 = ErrorParts(images, cells.l1, residual.l1 * of_net)
+    # a range of the attraction that was chosen for the grid
     by_range = range_errors(solution)
+    l1_range, area_range = (None, None) if by_range is None else by_range
+    peak_range = None if area_range is None else peak_range_error(solution, area_range)
+    load = None
+    if cells.load is not None:
+        load = ErrorParts(images, cells.load, residual.l1, range=load_range_error(solution), reason=no_load)
+    l1 = ErrorParts(images, cells.l1, residual.l1 * of_net, range=l1_range)
+    by_solver = residual.peak_pressure * peak_of_net
     estimate = ErrorEstimate(
         l1,
-        ErrorParts(peak_images, cells.peak_pressure, residual.peak_pressure * peak_of_net, reason=no_peak),
-        ErrorParts(images, cells.contact_area, residual.contact_area),
-        _gap_error(solution, l1, residual, by_range),
-        load=None if cells.load is None else ErrorParts(images, cells.load, residual.l1, reason=no_load),
+        ErrorParts(peak_images, cells.peak_pressure, by_solver, range=peak_range, reason=no_peak),
+        ErrorParts(images, cells.contact_area, residual.contact_area, range=area_range),
+        _gap_error(solution, l1, residual),
+        load=load,
     )
     slips = isinstance(solution.traction, RollingTraction)
     if images and (reason := _reason_by_images(solution, slips=slips)):
         unbounded: dict[str, Any] = {name: replace(parts, images=inf, reason=reason) for name, parts in estimate}
         estimate = replace(estimate, **unbounded)
         warnings = (reason, *warnings)
-    if by_range is not None:
-        estimate = _with_range(solution, estimate, by_range)
     if estimate.load is not None and is_pull_off(solution):
         estimate = _at_pull_off(solution, estimate, pull_off_error(solution, estimate.load))
+    of_heights = standing_heights(scene.shapes) if scene and scene.rolls else ""
+    further = filter(None, (beyond_strength(solution), implausible(solution), of_heights))
     estimate = replace(
         estimate,
-        warnings=(
-            *warnings,  # the first is why a bound is infinite
-            *filter(None, (beyond_strength(solution), implausible(solution))),
-            *filter(None, (standing_heights(scene.shapes) if scene and scene.rolls else "",)),
-            *left_out(scene.shapes if scene else (), problem.grid),
-        ),
+        # the first is why a bound is infinite
+        warnings=(*warnings, *further, *left_out(scene.shapes if scene else (), problem.grid)),
         slip_reason=NO_SLIP_OF_IMAGES if slips and images else "",
         by_grids=BY_GRIDS if solution.adhesion else ("contact_area", *BY_GRIDS),
     )
@@ -243,20 +245,6 @@ def _reason_by_images(solution: Solution, *, slips: bool) -> str:
     return NO_RETARDED_IMAGES if creeping else ""
 
 
-def _with_range(solution: Solution, estimate: ErrorEstimate, by_range: RangeErrors) -> ErrorEstimate:
-    """Return an `estimate` with the errors by a range of the attraction that was chosen for the grid.
-
-    Those of pressure and area are `by_range`.
-    """
-    assert estimate.peak_pressure is not None
-    assert estimate.contact_area is not None
-    load = estimate.load and replace(estimate.load, range=load_range_error(solution))
-    peak = replace(estimate.peak_pressure, range=peak_range_error(solution, by_range.area))
-    area = replace(estimate.contact_area, range=by_range.area)
-    l1 = replace(estimate.l1, range=by_range.l1)
-    return replace(estimate, l1=l1, peak_pressure=peak, contact_area=area, load=load)
-
-
 def _at_pull_off(solution: Solution, estimate: ErrorEstimate, pull_off: ErrorParts) -> ErrorEstimate:
     """Return an `estimate` at pull-off, where the root of the error of the load, `pull_off`, leaves the state open.
 
@@ -282,14 +270,11 @@ def _with_cells(parts: ErrorParts, added: float) -> ErrorParts:
     return replace(parts, discretisation=(parts.discretisation or 0.0) + added)
 
 
-def _gap_error(
-    solution: Solution, l1: ErrorParts, residual: ResidualErrors, by_range: RangeErrors | None
-) -> ErrorParts:
-    """Return the relative error of the mean gap, by those of the pressure in `l1`, of the residual, and `by_range`.
+def _gap_error(solution: Solution, l1: ErrorParts, residual: ResidualErrors) -> ErrorParts:
+    """Return the relative error of the mean gap, by the parts of that of the pressure in `l1`, and by the residual.
 
-    The last is None where the range of an attraction is given, or there is none. The change of an attraction that the
-    last iteration left adds to the residual. Where most of the mean gap is what the solver leaves on closed cells, it
-    has no bound.
+    The change of an attraction that the last iteration left adds to the residual. Where most of the mean gap is what the
+    solver leaves on closed cells, it has no bound.
     """
     mean, active = solution.mean_gap, solution.problem.constraint.active(solution.pressure)
     is_residual = mean <= 2 * float((np.abs(solution.gap) * active).mean())
@@ -298,7 +283,7 @@ def _gap_error(
         _gap_by_images(solution, l1.images or 0.0),
         GAP_BY_L1 * (l1.discretisation or 0.0) * by_l1,
         inf if is_residual else _attraction_left(solution) + residual.gap / mean,
-        range=None if by_range is None else GAP_BY_RANGE * by_range.l1 * by_l1,
+        range=None if l1.range is None else GAP_BY_RANGE * l1.range * by_l1,
         reason=NO_GAP if is_residual else "",
     )
 

@@ -21,7 +21,7 @@ from io import BytesIO
 from math import exp, inf
 from os import PathLike
 from pathlib import Path
-from typing import Any, TypeVar, get_origin
+from typing import Any, NamedTuple, TypeVar, get_origin
 from zipfile import BadZipFile
 
 import numpy as np
@@ -89,9 +89,20 @@ CUT_OFF_STRAIN = "No bound: the plastic strain is cut off at the edge of the gri
 GROWTH_PER_STATE_VARIABLE, GROWTH_PLASTIC = 1.2, 4.0
 
 
-def _no_errors() -> dict[str, float]:
-    """Return the time-discretisation errors before the first step, by the names of `Errors.by_steps`."""
-    return {"l1": 0.0, "peak_pressure": 0.0}
+class ErrorsBySteps(NamedTuple):
+    """Time-discretisation errors of an instant.
+
+    Attributes
+    ----------
+    l1, peak_pressure
+        Relative errors of the pressure in L1, and of its peak.
+    traction
+        Error of the tangential traction of fretting, summed over the cells [Pa]; 0 of others.
+    """
+
+    l1: float = 0.0
+    peak_pressure: float = 0.0
+    traction: float = 0.0
 
 
 @dataclass(eq=False)
@@ -101,10 +112,7 @@ class Errors:
     Attributes
     ----------
     by_steps, inside
-        Relative time-discretisation errors of the pressure in L1 ("l1") and of its peak ("peak_pressure"), after the
-        last doubled step and in its middle.
-    traction, traction_inside
-        The same of the tangential traction of fretting, summed over the cells [Pa].
+        Time-discretisation errors after the last doubled step, and in its middle.
     step
         Duration [s] of each of the two short steps beside the last doubled one.
     largest_by_cells
@@ -117,10 +125,8 @@ class Errors:
         difference of two integrations may vanish on the way.
     """
 
-    by_steps: Mapping[str, float] = field(default_factory=_no_errors)
-    inside: Mapping[str, float] = field(default_factory=_no_errors)
-    traction: float = 0.0
-    traction_inside: float = 0.0
+    by_steps: ErrorsBySteps = field(default_factory=ErrorsBySteps)
+    inside: ErrorsBySteps = field(default_factory=ErrorsBySteps)
     step: float = 0.0
     largest_by_cells: float = 0.0
     largest_by_residual: float = 0.0
@@ -191,16 +197,13 @@ class DrySteps(Method[Instant, Frame]):
             return 0.0
         if fine.time > before.time:
             errors.step = (fine.time - before.time) / 2
-        earlier, earlier_traction = errors.by_steps, errors.traction
-        errors.by_steps = self._update_by_steps(fine, coarse, errors.step)
-        size = self._size_traction_error(fine)
-        # the difference of two integrations may vanish where the force turns, and their error does not
-        errors.traction = max(self._traction_error(fine, coarse) * size, earlier_traction / LARGEST_FALL)
+        earlier, errors.by_steps = errors.by_steps, self._update_by_steps(fine, coarse, errors.step)
         # what is recorded in the middle lies between two instants of the doubled step
         factor = INSIDE_STIFF_STEP if self.stepper.creep_ends_within(errors.step) else 1.0
-        errors.inside = {name: max(earlier[name], factor * error) for name, error in errors.by_steps.items()}
-        errors.traction_inside = max(earlier_traction, factor * errors.traction)
-        return max(errors.by_steps["l1"], errors.traction / size if size else 0.0)
+        pairs = zip(earlier, errors.by_steps, strict=True)
+        errors.inside = ErrorsBySteps(*(max(before, factor * after) for before, after in pairs))
+        size = self._size_of_traction(fine)
+        return max(errors.by_steps.l1, errors.by_steps.traction / size if size else 0.0)
 
     def recorded(self, record: Record[Instant], *, has_failed: bool) -> Frame:
         """Return what is recorded as a frame; its errors are infinite if the march ends without a solution."""
@@ -238,42 +241,43 @@ class DrySteps(Method[Instant, Frame]):
         )
 
     def _errors_by_steps(self, record: Record[Instant], *, has_failed: bool) -> dict[str, float]:
-        """Return the relative time-discretisation errors of a record by the names of `Errors.by_steps`.
+        """Return the relative time-discretisation errors of a record: "l1", and "peak_pressure" of the peak.
 
         "l1" is that of the tangential traction of fretting where that is larger. Both are infinite without an estimate.
         """
         errors, fretting = self.errors, self.stepper.fretting
         if has_failed or (self.estimator == "none" and self.stepper.all_state_variables):
             return {"l1": inf, "peak_pressure": inf}
-        is_inside = record.coarse is None
-        by_steps = errors.inside if is_inside else errors.by_steps
+        l1, of_peak, of_traction = errors.inside if record.coarse is None else errors.by_steps
         if fretting is None:
-            return dict(by_steps)
+            return {"l1": l1, "peak_pressure": of_peak}
         # what two integrations have in common: errors of the traction, and of a pressure that its slip wears
-        common, size = fretting.common_error(record.state.states[-1]), self._size_traction_error(record.state)
-        of_traction = (errors.traction_inside if is_inside else errors.traction) / size if size else 0.0
+        common, size = fretting.common_error(record.state.states[-1]), self._size_of_traction(record.state)
         of_pressure = common if fretting.wear else 0.0
-        l1 = max(by_steps["l1"] + of_pressure, of_traction + common)
-        return {"l1": l1, "peak_pressure": by_steps["peak_pressure"] + of_pressure}
+        l1 = max(l1 + of_pressure, (of_traction / size if size else 0.0) + common)
+        return {"l1": l1, "peak_pressure": of_peak + of_pressure}
 
-    def _update_by_steps(self, fine: Instant, coarse: Instant, step: float) -> dict[str, float]:
-        """Return the errors of the pressure of `fine` by the steps, by the names of `Errors.by_steps`.
+    def _update_by_steps(self, fine: Instant, coarse: Instant, step: float) -> ErrorsBySteps:
+        """Return the errors of `fine` by the steps, from the errors before.
 
-        Those of bodies which are apart in `fine` alone are relative to the pressure of `coarse`. The last step of `fine`
-        took the time `step` [s].
+        Those of the pressure of bodies which are apart in `fine` alone are relative to the pressure of `coarse`. The
+        last step of `fine` took the time `step` [s].
         """
-        instant = fine if fine.pressure.any() else coarse
-        time, *earlier = self.errors.after_stiff_step
+        errors, instant = self.errors, fine if fine.pressure.any() else coarse
+        time, *earlier = errors.after_stiff_step
         decay = exp(min(time - fine.time, 0.0) / self.stepper.longest_retardation_time)
         sizes = np.abs(fine.pressure - coarse.pressure) * self._error_over_difference(step)
         of_both = float(sizes.sum()), error_of_peak(fine.pressure, sizes)
         total, largest = (max(size, decay * error) for size, error in zip(of_both, earlier, strict=True))
         if self.stepper.creep_ends_within(step):
-            self.errors.after_stiff_step = fine.time, total, largest
+            errors.after_stiff_step = fine.time, total, largest
+        # the difference of two integrations may vanish where the force turns, and their error does not
+        of_traction = self._traction_error(fine, coarse) * self._size_of_traction(fine)
+        of_traction = max(of_traction, errors.by_steps.traction / LARGEST_FALL)
         peak = float(instant.pressure.max())
-        return {"l1": self._relative(total, instant), "peak_pressure": largest / peak if peak else 0.0}
+        return ErrorsBySteps(self._relative(total, instant), largest / peak if peak else 0.0, of_traction)
 
-    def _size_traction_error(self, instant: Instant) -> float:
+    def _size_of_traction(self, instant: Instant) -> float:
         """Return the L1 norm [Pa] that errors of the traction of fretting are relative to; 0 without fretting."""
         fretting = self.stepper.fretting
         return 0.0 if fretting is None else fretting.size(instant.states[-1])

@@ -88,7 +88,7 @@ def summary_messages(dataset: xr.Dataset) -> Iterator[str]:
         ended = status.values.ravel()[places]
         solves = np.isfinite(ended).sum()
         for number, meaning in enumerate(str(status.attrs["flag_meanings"]).upper().split()):
-            if number and (count := np.count_nonzero(ended == number)):
+            if meaning != "CONVERGED" and (count := np.count_nonzero(ended == number)):
                 yield f"{count} of {counted(solves, 'solve')} ended with {meaning}; see 'solver_status'"
     if "accuracy_met" in dataset and dataset["accuracy_met"].shape == statuses.shape:
         met = dataset["accuracy_met"].values.ravel()[places]

@@ -221,12 +221,12 @@ def _product_terms(x: Array, z: float, source: Array) -> dict[tuple[int, int], A
     log = np.log(np.where(w == 0, 1.0, w))
     # ln w, integrated zero, one and two times
     log_integrals = log, w * (log - 1), w * w / 2 * (log - 1.5)
+    by_x = [[(1j**order * integral).real for integral in log_integrals] for order in range(4)]
     derivatives = {}
     for m, n in np.ndindex(3, 3):
         # Leibniz' rule for the orders s and t of z and z', which holds for -1 too
         s, t = m - 1, n - 1
-        by_x = 1j ** ((-s - t) % 4)
-        log_r, once, twice = ((by_x * integral).real for integral in log_integrals)
+        log_r, once, twice = by_x[(-s - t) % 4]
         derivatives[m, n] = z * source * log_r + (s * source + t * z) * once + s * t * twice
     return derivatives
 

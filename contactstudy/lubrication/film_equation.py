@@ -353,8 +353,8 @@ class FilmEquation:
         for axis, factor in enumerate((1 / (self.speed_parameter * dx), dx / (self.speed_parameter * dy**2))):
             if content.shape[axis] == 1:
                 break
-            face = _poiseuille_flow(cells, _FaceSide(*(np.roll(values, -1, axis=axis) for values in cells)), factor)
-            last = _FaceFlow(*(np.roll(values, 1, axis=axis) for values in face))
+            face = _poiseuille_flow(cells, _FaceSide(*np.roll(cells, -1, axis=axis + 1)), factor)
+            last = _FaceFlow(*np.roll(face, 1, axis=axis + 1))
             fluxes.append(face.flux if axis else face.flux + wedge)
             residual += fluxes[-1] - np.roll(fluxes[-1], 1, axis=axis)
             after, before = ((0, 1), (0, -1)) if axis else ((1, 0), (-1, 0))

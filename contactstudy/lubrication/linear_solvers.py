@@ -262,17 +262,20 @@ class StepSystem:
         linear, touching, free = self.linear, self.touching[:, 0], self.free[:, 0]
         influence, n = linear.equation.deflection.influence, len(touching)
         load = self.flow * self.mean
-        matrix, by_deflection = np.zeros((right.size, right.size)), np.zeros((n, n))
+        matrix = np.zeros((right.size, right.size))
+        by_deflection = matrix[:n, :n]
         for offset, coefficient in linear.thickness.items():
             first, end = max(0, -offset[0]), min(n, n - offset[0])
             by_film = (coefficient * neighbour(~self.touching, offset))[first:end]
             # a diagonal times the influence is the influence with its rows shifted
             by_deflection[first:end] += by_film * influence[first + offset[0] : end + offset[0]]
             matrix[first:end, -1] += by_film[:, 0]
-        matrix[:n, :n], matrix[:n, n:-1] = by_deflection * free, by_deflection[:, touching]
+        matrix[:n, n:-1] = by_deflection[:, touching]
+        by_deflection *= free
         matrix[n:-1, :n], matrix[n:-1, n:-1] = influence[touching] * free, influence[np.ix_(touching, touching)]
         matrix[n:-1, -1], matrix[-1, :n], matrix[-1, n:-1] = 1, load * free, load
-        matrix[range(n), range(n)] += linear.equation.fixed[:, 0]
+        fixed = np.flatnonzero(linear.equation.fixed)
+        matrix[fixed, fixed] = 1
         for bands, columns in ((linear.pressure, self.full_film), (linear.void, self.cavitated)):
             for offset, coefficient in bands.items():
                 cells = np.flatnonzero(neighbour(columns, offset))

@@ -67,7 +67,7 @@ class FilmSolution:
     status
         How far the contact can be trusted.
     iterations, linear_iterations
-        Steps on this grid, and iterations of all their linear systems.
+        Steps on this grid from the start that led to the film, and iterations of all their linear systems.
     residual
         The larger of the unbalanced flow over the flow along x, and the error of the load over ``p_H a``; on a boundary
         film, the least film thickness, on which asperities carry the rest of the load, also the violation of its

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from contactstudy.answers.lubricated_contact import LubricatedContact
 
 
-# Doubt about a flat under a mean pressure whose padding is periodic, and given along the length alone.
+# One of the doubts of a file: a flat under a mean pressure whose padding is periodic, and given along the length alone.
 ONE_PADDING = (
     "padding is that along the length alone, and leaves the surface free across, as if it ended there: leave it out, or "
     'give padding_across = "ExactPeriodicity" too.'
@@ -67,7 +67,7 @@ class SceneFile(InNotebook):
     vary
         Fields that the file varies, by their paths, in groups: fields of one group change together.
     doubts
-        A sentence for each number without a unit that is likely in another one than SI.
+        Warnings: a number without a unit that is likely in another one than SI, a padding that was likely left out.
     """
 
     scene: Scene

@@ -36,9 +36,9 @@ class Adhesion:
         Kendall & Roberts 1971) as far as the grid resolves it, with six cells in the cohesive zone, the shortest one of
         bodies that creep. The pull-off load of a cylinder is then within 0.3 % of that limit on fine grids.
     law
-        ``"exponential"``, or ``"dugdale"`` for a constant attraction within the range, which falls to zero between
-        0.9 and 1.1 times the range on 30 cells in the cohesive zone; of the same work, over as many times more on fewer,
-        which would trap the contact between cells.
+        ``"exponential"``, or ``"dugdale"`` for a constant attraction that falls linearly to zero around the range,
+        between 0.9 and 1.1 times it on 30 or more cells in the cohesive zone. The work is the same where the fall is
+        wider on fewer cells, in inverse proportion, since a sharper one traps the contact between cells.
     branch
         ``"from afar"`` for bodies that approach, the least adhesive state; ``"from full contact"`` for bodies that
         leave full contact, the most adhesive one. A load history continues from each state to the next.
@@ -72,8 +72,8 @@ class Adhesion:
     def reference_load(self, scene: SceneContext) -> float:
         """Return a load [N/m] for the scales of an adhesive contact at zero load; 0 if flat.
 
-        It is twice the unit ``(pi E* w^2 R)^(1/3)`` of the line contact of Johnson, Kendall & Roberts. Without adhesion
-        2.52 units, ``32^(2/3) / 4``, make the same width.
+        It is twice the unit ``(pi E* w^2 R)^(1/3)`` of the line contact of Johnson, Kendall & Roberts, w the work. It
+        is near the 2.52 units, ``32^(2/3) / 4``, that make the same width without adhesion.
         """
         if scene.radius is None:
             return 0.0
@@ -91,6 +91,7 @@ class Adhesion:
         """Return the traction as a function of the gap, by a contact `modulus` [Pa] and on cells of this size [m]."""
         attraction_range, cells = self.range, ZONE_CELLS
         if attraction_range is None:
+            # the largest attraction work / range is that whose zone_length is so many cells
             attraction_range = self.work / sqrt(pi * modulus * self.work / (4 * cells * cell))
         else:
             cells = zone_length(modulus, self.work, self.work / attraction_range) / cell

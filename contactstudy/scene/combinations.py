@@ -1,9 +1,9 @@
 """What the effects of a scene decide together: the method that solves it, and the pairs that it cannot combine.
 
 Both are tables. Their words are those of :func:`named_by`: a slot of the scene that is not empty, such as
-``Scene.wear``; the class that stands in it, such as ``TractiveRolling``; a field of that which is given, such as
-``Wear.circumference``; and conditions on several of them, such as ``a change in time``. What composes through the gap,
-the operator, the constraint, the traction or a state has no line here.
+``Scene.wear``; the class that stands in it, such as ``TractiveRolling``; a field of that, unless it is None, 0
+or empty, such as ``Wear.circumference``; and conditions on several of them, such as ``a change in time``. What composes
+through the gap, the operator, the constraint, the traction or a state has no line here.
 """
 
 from dataclasses import dataclass
@@ -180,15 +180,16 @@ def named_by(scene: Any) -> frozenset[str]:
     for effect in effects.values():
         fields = getattr(effect, "__dict__", {})
         named |= {f"{type(effect).__name__}.{name}" for name, value in fields.items() if value}
-    has_rolling, drives, has_passes = "Scene.rolling" in named, "TractiveRolling" in named, "Rolling.passes" in named
+    has_rolling, tractive, has_passes = "Scene.rolling" in named, "TractiveRolling" in named, "Rolling.passes" in named
     creep, plastic = any(map(creeps, solids)), any(map(yields, solids))
-    rolls, changes = has_rolling or (drives and creep), changing_field(scene) is not None
+    rolls, changes = has_rolling or (tractive and creep), changing_field(scene) is not None
     is_history, slips = isinstance(load, loads.ChangingLoad), not named.isdisjoint(("PartialSlip", "Fretting"))
-    unlike = False
+    is_dissimilar = False
     if (slips or "Sliding" in named) and friction.coefficient > 0:
         from contactstudy.scene.friction import are_similar  # imported only where there is friction
 
-        unlike = not are_similar(solids)
+        is_dissimilar = not are_similar(solids)
+    # wear under a film is followed from one steady film to the next
     film_changes = film is not None and (not isinstance(film.mean_speed, float) or (changes and scene.wear is None))
     conditions = {
         "Scene.load on a point contact": scene.is_point_contact,
@@ -203,20 +204,20 @@ def named_by(scene: Any) -> frozenset[str]:
         "Scene.solids that creep": creep,
         "Scene.solids that yield": plastic,
         "Scene.solids at rest that creep or yield": (creep or plastic) and film is None and not rolls,
-        "Scene.solids that are elastically dissimilar": unlike,
+        "Scene.solids that are elastically dissimilar": is_dissimilar,
         "Scene.solids with free_faces": scene.free_length < inf,
         "Scene.shapes that move with a body": any(hasattr(shape, "gap_after") for shape in scene.shapes),
         "Scene.rolling without passes": has_rolling and not has_passes,
         "passes over Scene.solids that yield": has_passes and plastic,
         "rolling of Scene.solids that creep": rolls and creep,
         "rolling at a speed": rolls and not has_passes,
-        "a contact that rolls": has_rolling or drives,
+        "a contact that rolls": has_rolling or tractive,
         "Scene.friction with stick": getattr(friction, "sticks", False),
         "Scene.friction of unequal bodies": friction is not None and solids[0] != solids[1],
         "friction and Scene.outputs": friction is not None and bool(scene.outputs),
         "Scene.friction in partial slip": slips,
         "Scene.friction in partial slip without times": slips and "Fretting.times" not in named,
-        "Scene.friction in sliding of dissimilar bodies": unlike and not slips,
+        "Scene.friction in sliding of dissimilar bodies": is_dissimilar and not slips,
         "Adhesion.range is None": "Scene.adhesion" in named and "Adhesion.range" not in named,
         "Scene.lubrication without a boundary film": film is not None and film.boundary is None,
         "Scene.wear of a body that turns or in a film": "Wear.circumference" in named

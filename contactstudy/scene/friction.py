@@ -99,7 +99,7 @@ def are_similar(solids: tuple[Body, ...]) -> bool:
     first, second = solids
     if first == second:
         return True
-    # displacement along the normal under traction along x, which is the same from any datum
+    # displacement along the normal under traction along x, from any datum; with the sign -1 what changes the gap
     of_first, of_second = (body.shear_compliance(datum=1.0)["x"] for body in shearable(solids))
     if any(map(bodies.creeps, solids)):  # bodies that are equal at first differ once they have crept
         return not any((*of_first.values(), *of_second.values()))
@@ -461,7 +461,7 @@ class Rolling:
         Distance of each pass [m]. None rolls until the plastic strain left behind is steady.
     steady
         A pass is steady when the plastic strain that it leaves changes by less than this many yield strains (Y / E)
-        while the contact rolls by its half-width.
+        while the contact rolls by its half-width. Half or twice the default changes the residual stress by about 1 %.
 
     Raises
     ------
@@ -492,7 +492,7 @@ class Rolling:
                     )
 
 
-# A contact at rest has PartialSlip.
+# Speeds of TractiveRolling, which is not defined at rest.
 NOT_ZERO = validation.Limits("other than 0", lambda x: validation.MIN_SIZE <= abs(x) <= validation.MAX_SIZE)
 # Fewest widths of the contact by which it rolls while the load changes: what it rolls over is steady after one or two.
 MIN_WIDTHS = 10.0
@@ -502,7 +502,7 @@ def check_slow(name: str, speed: float, load: loads.ChangingLoad, hertz: HertzLi
     """Raise InvalidInput for a `load` that changes too fast for rolling by `name` to be steady at each instant."""
     if hertz is None:
         return
-    duration = getattr(load, "period", inf) / 4
+    duration = getattr(load, "period", inf) / 4  # from the mean load to the largest
     if isinstance(load, loads.PiecewiseLinear):
         steps = zip(pairwise(load.times), pairwise(load.values), strict=True)
         duration = min((end - start for (start, end), (a, b) in steps if a != b), default=inf)
@@ -541,8 +541,8 @@ class TractiveRolling:
     lateral
         Creepage along y.
     spin
-        Rotation of the second body against the first about z, over the distance rolled [1/m]. Its slip grows along the
-        length, so that a roller must end or be crowned on the grid.
+        Rotation of the second body against the first about z, from x to y, over the distance rolled [1/m]. Its slip
+        grows along the length, so that a roller must end or be crowned on the grid.
     speed
         Speed of rolling [m/s], not 0; negative if the contact moves to smaller x. Power is proportional to its size,
         and how far a body creeps in the contact follows from it.
@@ -669,14 +669,14 @@ class Wear:
 
     def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the motion of `scene` gives another sliding or turning."""
-        film, drives = scene.lubrication, getattr(scene.friction, "is_steady", False)
+        film, is_tractive = scene.lubrication, getattr(scene.friction, "is_steady", False)
         standing = getattr(scene.friction, "standing", None)
         # whether the wearing body turns, and by what; the circumference says it where nothing else does
         turns, by = self.circumference is not None, ""
         if film is not None:
             turns, by = film.contact_speeds[self.body] != 0, "Scene.lubrication"
-        elif drives or standing is not None:
-            turns, by = drives or standing != self.body, "Scene.friction"
+        elif is_tractive or standing is not None:
+            turns, by = is_tractive or standing != self.body, "Scene.friction"
         elif scene.rolling is not None:
             turns, by = True, "Scene.rolling"
         if turns and self.circumference is None:
@@ -688,7 +688,7 @@ class Wear:
             raise InvalidInput(
                 f"Wear.circumference is {self.circumference!r}, and the wearing body does not turn: leave it out."
             )
-        slips = film is not None or drives or getattr(scene.friction, "times", None) is not None
+        slips = film is not None or is_tractive or getattr(scene.friction, "times", None) is not None
         if self.speed == 0 and not slips:
             raise InvalidInput(
                 "Wear.speed is 0, and nothing else in the scene gives a sliding, so that nothing wears: give a speed "

@@ -144,7 +144,7 @@ class Approach:
                 f"Approach.datum is {in_use}: give at least half the width of the grid, "
                 f"{readable(grid.extent[0] / 2)}, or parts of the surface would rise under pressure."
             )
-        # displacements count from their mean, which leaves no finite pressure there
+        # displacements count from their mean, so that the approach lowers the mean gap, to zero in full contact
         mean, rounding = float(gap.mean()), 4 * float(np.finfo(gap.dtype).eps * np.abs(gap).max())
         if endless == 2 and self.approach >= mean - rounding:
             raise InvalidInput(
@@ -157,7 +157,7 @@ class Approach:
         """Return the half-width a [m] of a smooth cylinder of a `radius` R [m] at this approach; 0 if it does not touch.
 
         ``approach = u (2 ln(2 datum / a) + 1)`` with ``u = a^2 / (4 R)``, Johnson (1985), sect. 5.6, solved by Lambert's
-        function for the term with the logarithm. Beyond its largest approach, ``datum^2 / R``, it is that there.
+        function for the term with the logarithm. From the largest approach, ``datum^2 / R``, on it is ``2 datum``.
         """
         if self.approach <= 0:
             return 0.0

@@ -74,7 +74,8 @@ MIN_APPROACH_RATIO = 1e-6
 # Sum of the curvatures over the largest of them below which the sum is rounding: the convex body has the radius of the
 # hollow one.
 CONFORMING = 1e-9
-# Length of the grid of a point contact over that of its ellipse of contact.
+# Length of the grid of a point contact over that of its ellipse of contact, which must not reach the end rows: with 1.1
+# it does on the coarsest grids.
 LENGTH_OVER_ELLIPSE = 1.2
 
 
@@ -130,7 +131,7 @@ class Scene(InNotebook):
 
     def check_together(self) -> None:
         """Check what the effects of the scene must have in common, and refuse two that cannot be combined."""
-        bodies.contact_modulus(self.solids)
+        bodies.contact_modulus(self.solids)  # refuses two rigid bodies
         for number, shape in enumerate(self.shapes):
             valid(f"Scene.shapes[{number}].curvature", curvature_of(shape), float)
         self._check_curvatures()
@@ -234,7 +235,7 @@ class Scene(InNotebook):
         """
         shortest = self._shortest_roller
         if (ellipse := self.ellipse) is not None:
-            # where the undeformed gap is larger than the heights beside the contact
+            # the gap beside the ellipse, curvature_along (y^2 - semi_axis^2) / 2, reaches the sum of the heights
             heights = sum(scales.height for scales in length_scales_of(self.shapes))
             reach = ellipse.semi_axes[1] ** 2 + 2 * heights / ellipse.curvature_along
             return 2 * LENGTH_OVER_ELLIPSE * sqrt(reach)
@@ -270,12 +271,12 @@ class Scene(InNotebook):
         return not is_free_along and all(of_shape and not of_shape.roller for of_shape in scales)
 
     def mean_load(self, grid: Grid, padding: Padding | Paddings) -> float:
-        """Return the largest load, over the period of `grid` [N/m]."""
+        """Return the mean along the period of `grid` [N/m] of the largest load over time."""
         return self.largest_load * self.loaded_length(grid, padding) / grid.length
 
     @property
     def reference_load(self) -> float:
-        """Load [N/m] for the scales: the largest, or that of a smooth contact at an approach; more with adhesion."""
+        """Load [N/m] for the scales: the largest, or that of a smooth line at an approach; of adhesion if more."""
         largest = self.largest_load
         if isinstance(self.load, loads.Approach) and self.radius is not None:
             width = self.load.estimated_half_width(self.radius)
@@ -297,7 +298,7 @@ class Scene(InNotebook):
 
     @property
     def hertz(self) -> HertzLine | None:
-        """Smooth line contact of the reference load, these bodies and the equivalent radius; None without either.
+        """Smooth line contact of the reference load, these bodies and the equivalent radius; None if one is missing.
 
         Coated bodies enter with the modulus that they have at the half-width of this contact, which is an estimate. Of a
         point contact it is the line contact with the same half-width and peak pressure.
@@ -310,7 +311,7 @@ class Scene(InNotebook):
         return bodies.hertz_line(load, radius, self.solids)
 
     def scales(self, grid: Grid) -> Scales:
-        """Return the scales of the problem: Hertz's half-width and peak pressure, and the gap that goes with them.
+        """Return the scales of the problem: Hertz's half-width a and peak pressure p, and the gap ``p a / E*``.
 
         Without a curved shape they are the width of the grid and the mean pressure, or that of the approach or of the
         adhesion. The pressure is rounded to a power of two, so that scaling a pressure or a hardness is exact.
@@ -347,7 +348,7 @@ class Scene(InNotebook):
 
     @property
     def rolls(self) -> bool:
-        """True for `Rolling`, and for `TractiveRolling` of a body that creeps, which take more than one problem."""
+        """True for `Rolling`, and for `TractiveRolling` of a body that creeps, whose response depends on speed."""
         return self.rolling is not None or self.rolling_speed is not None
 
     @property
@@ -360,8 +361,8 @@ class Scene(InNotebook):
         """Speed [m/s] along x of steady `Rolling`, or of `TractiveRolling` of a body that creeps; None for others."""
         if self.rolling is not None:
             return self.rolling.speed
-        drives = self.has_tractive_rolling and any(map(creeps, self.solids))
-        return self.friction.speed if drives else None  # type: ignore[union-attr]
+        is_delayed = self.has_tractive_rolling and any(map(creeps, self.solids))
+        return self.friction.speed if is_delayed else None  # type: ignore[union-attr]
 
     @property
     def contact_speeds(self) -> tuple[float, float]:
@@ -373,8 +374,8 @@ class Scene(InNotebook):
     def has_approach(self) -> bool:
         """Whether the approach of the bodies is defined; it is not for bodies that creep as they roll.
 
-        Points far behind the contact relax, while those ahead do not, so that the approach falls without limit with the
-        logarithm of the speed.
+        Delayed displacement counts from about the distance that the contact moves during the delay: relative to a datum
+        it falls without limit with the logarithm of the speed.
         """
         return not (self.rolls and any(map(creeps, self.solids)))
 
@@ -413,6 +414,7 @@ class Scene(InNotebook):
         heights = summed_gap(self.ended_shapes, grid)
         gap = heights if heights.shape == grid.cells else np.broadcast_to(heights, grid.cells).copy()
         datum = self.datum(grid)
+        # the sum of the pressures of all cells [Pa]
         control: Control = PrescribedLoad(self.mean_load(grid, padding) * grid.length / grid.cell_area)
         if isinstance(self.load, loads.Approach):
             self.load.check_on(gap, grid, paddings, datum)

@@ -357,12 +357,12 @@ class MovingShapeTable:
 
 @dataclass(frozen=True)
 class PlanSettings:
-    """Error to plan or solve for, or some by the names of numbers, and the period of a grid that is chosen.
+    """Error to plan or solve for, one or several, and the period of a grid that is chosen.
 
     Parameters
     ----------
     error
-        Relative error of every number of the answer, or a table of errors by the names of numbers.
+        Relative error of every number of the answer, or a table of errors by the names of these numbers.
     period
         Length [m] of a grid that is chosen.
     """
@@ -371,7 +371,8 @@ class PlanSettings:
     period: Metres | None = None
 
 
-AnyLoad = loads.ConstantLoad | MeanPressure | loads.ChangingLoad | loads.Approach | loads.PullOff
+# Load of a scene, or in a file the mean pressure that makes one.
+LoadInFile = loads.ConstantLoad | MeanPressure | loads.ChangingLoad | loads.Approach | loads.PullOff
 
 
 @dataclass(frozen=True)
@@ -394,7 +395,7 @@ class SceneDocument:
         Options of the solver.
     """
 
-    load: AnyLoad
+    load: LoadInFile
     solids: tuple[Body, Body]
     shapes: tuple[Shape, ...] = ()
     hardness: Annotated[validation.Hardness, OR_INFINITE] = inf
@@ -439,7 +440,7 @@ KINDS: Mapping[Any, Mapping[str, type]] = {
         grids.ExactPeriodicity,
     ),
     Body: _kinds(HalfSpace, CoatedHalfSpace, ViscoelasticHalfSpace, ElasticPlasticHalfSpace) | {NO_KIND: HalfSpace},
-    AnyLoad: _kinds(
+    LoadInFile: _kinds(
         loads.LineLoad, loads.TotalLoad, MeanPressure, loads.LoadHistory, loads.SineLoad, loads.Approach, loads.PullOff,
     ) | {NO_KIND: loads.LineLoad},
     Friction: _kinds(frictions.Sliding, frictions.PartialSlip, frictions.Fretting, frictions.TractiveRolling),

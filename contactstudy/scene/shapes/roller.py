@@ -20,8 +20,8 @@ class ProfilePoints:
     """Profile through points of position and drop, by monotone cubic interpolation.
 
     Beyond the first and the last point the profile stays at their drop. Along the length the points span a roller of
-    their length. Across the drop is beside that of a :class:`Cylinder`. Source of the interpolation: Fritsch & Butland
-    (1984), SIAM J. Sci. Stat. Comput. 5, 300.
+    their length. Across the contact the drop adds to that of a :class:`Cylinder`. Source of the interpolation: Fritsch &
+    Butland (1984), SIAM J. Sci. Stat. Comput. 5, 300.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ class Shape(Protocol):
     - ``curvature`` [1/m] of its mean cross-section at the axis, above 0 for a convex body, or ``curvatures`` (across,
       along) of a body that is curved both ways;
     - ``length_scales``, the :class:`LengthScales` that decide which grid resolves it;
-    - ``covered_fractions(grid)``, the fraction of each row that a roller covers which ends;
+    - ``covered_fractions(grid)``, the length (y,) that each row represents of a roller that ends, over that of a cell;
     - ``with_extent_of(grid)``, the shape with the extent of a grid, of heights that are given cell by cell;
     - ``left_out(grid)``, a sentence on what a grid leaves out of it, or an empty one;
     - ``gap_after(grid, shift)``, the gap [m] after the body has moved by a shift [m];
@@ -48,7 +48,7 @@ class LengthScales:
     period_across
         Period [m] of the shape across, zero if any will do.
     longest_wavelength
-        Longest wavelength along the length [m].
+        Longest wavelength along the length [m], several of which a period has to hold.
     longest_across
         Longest wavelength [m] that the width of the grid has to hold, zero for shapes that take any width.
     roller
@@ -321,7 +321,10 @@ def shortest_wavelengths(shapes: Iterable[Shape]) -> tuple[float, float]:
 
 
 def unresolved(lengths: tuple[float, float], grid: Grid) -> str:
-    """Return which cells are too large for the shortest wavelengths (across, along) [m]; empty where none are."""
+    """Return which cells are longer than the shortest wavelengths (across, along) [m]; empty where none are.
+
+    The sentence asks for two cells in each wavelength.
+    """
     for axis, (cell, length) in enumerate(zip(grid.cell_size, lengths, strict=True)):
         if cell > length * (1 + 1e-9) and grid.cells[axis] > 1:
             count = ceil(2 * grid.extent[axis] / length)

@@ -135,7 +135,7 @@ class HalfSpace:
         infinite for a body without, see :func:`~contactstudy.FreeFaces`.
     thickness
         Thickness of the body [m], infinite if it is not known. It stays a half-space: an answer says by how much that is
-        wrong for a contact of more than a quarter of this width.
+        wrong for a contact whose half-width is more than a quarter of it.
     hardness_profile
         Yield stress by depth, in place of `yield_stress`, as of a case-hardened body; None for one at all depths. An
         answer says where the safety against yield is least.
@@ -172,7 +172,7 @@ class HalfSpace:
         return {coefficients: self.compliance / math.pi}
 
     def shear_compliance(self, datum: float) -> "ShearCompliance":
-        """Return Cerruti's coefficients and weights (Johnson 1985, eqs. 3.75)."""
+        """Return Cerruti's coefficients and weights (Johnson 1985, eqs. 3.75), by the names of ``ShearCompliance``."""
         # imported only where there is friction
         from contactstudy.elasticity.tangential import half_space_shear_compliance
 
@@ -189,7 +189,7 @@ class Layered(Protocol):
 
     @property
     def parts(self) -> Mapping[str, tuple[str, HalfSpace, float, float]]:
-        """Words, material, and depths from and to [m] of each layer and the substrate, by the names of numbers."""
+        """Words, material, depths from and to [m] of each layer and the substrate, by the prefix of numbers in it."""
 
     @property
     def thickness(self) -> float:
@@ -211,7 +211,8 @@ def in_part(depths: Array, top: float, bottom: float) -> NDArray[np.bool_]:
 def is_layered(solid: object) -> TypeGuard[Layered]:
     """Return whether a body has a compliance that depends on the wavelength, which is the method `compliance_at`.
 
-    ``isinstance`` of a protocol takes as long as a tenth of a set-up.
+    So has a creeping body in rolling, which has no layers: ask bodies of a scene only for these. ``isinstance`` of a
+    protocol takes as long as a tenth of a set-up.
     """
     return hasattr(solid, "compliance_at")
 
@@ -379,8 +380,8 @@ def FreeFaces(solid: HalfSpace, length: float) -> HalfSpace:
 def check_free_faces(length: float, shapes: tuple[Shape, ...], hertz: HertzLine | None) -> None:
     """Raise InvalidInput for a roller whose length is not that of a body with free faces, or for faces too near.
 
-    The `length` [m] is that between the faces, `shapes` are those of the scene. By the half-width of its smooth line
-    contact `hertz`, which is None of a scene without one, faces are too near to each other.
+    The `length` [m] is that between the faces, `shapes` are those of the scene. Faces are too near if they are closer
+    than `SHORTEST` half-widths of its smooth line contact `hertz`; None is a scene without one.
     """
     for number, shape in enumerate(shapes):
         if isinstance(shape, FiniteLength) and not isclose(shape.length, length):

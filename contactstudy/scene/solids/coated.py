@@ -78,7 +78,7 @@ class CoatedStress:
             if interface == above:
                 half_space(component, depth, waves.poisson_ratio, 1.0)
             if waves.in_layer and component in ("xx", "yy", "xy"):
-                image = thickness * waves.decay_rate
+                image = thickness * waves.decay_rate  # the depth mirrored in the interface
                 for sign, below in ((1, waves.materials), (-1, waves.materials.above)):
                     shear_ratio, here, ratio_below = waves.ratios(below)
                     for name, weight in _strained(component, shear_ratio, here, ratio_below).items():
@@ -95,6 +95,7 @@ def _strained(name: str, ratio: float, nu1: float, nu2: float) -> dict[str, floa
     """
     if name == "xy":
         return {"xy": ratio}
+    # strain is (stress - a (xx + yy + zz)) / 2 G, and stress 2 G (strain + b of the strains xx + yy) + b zz
     a, b = nu2 / (1 + nu2), nu1 / (1 - nu1)
     both = b * (1 - 2 * a) - a
     transverse = "yy" if name == "xx" else "xx"
@@ -164,7 +165,7 @@ class CoatedHalfSpace:
 
     @property
     def parts(self) -> dict[str, tuple[str, HalfSpace, float, float]]:
-        """Words, material, and depths from and to [m] of each layer and the substrate, by the names of numbers."""
+        """Words, material, depths from and to [m] of each layer and the substrate, by the prefix of numbers in it."""
         names = {"coating": "the coating"}
         names |= {f"interlayer_{number}": f"interlayers[{number}]" for number in range(len(self.interlayers))}
         parts: dict[str, tuple[str, HalfSpace, float, float]] = {}
@@ -188,7 +189,7 @@ class CoatedHalfSpace:
             return self.compliance
         response, depth = self.interfaces[-1]
         k = np.array([EQUIVALENT_WAVE_NUMBER * depth / half_width])
-        ratio = float(np.real(response.compliances(k))[0, 0])
+        ratio = float(np.real(response.compliances(k))[0, 0])  # along the normal by pressure, over the coating's
         # the ratio of a thin incompressible coating on a rigid substrate is lost in rounding
         return self.compliance * max(ratio, np.finfo(np.float64).eps)
 
@@ -203,6 +204,7 @@ class CoatedHalfSpace:
 
     def shear_compliance(self, datum: float) -> "ShearCompliance":
         """Return the compliance under traction of a half-space of the coating, and the change by each interface."""
+        # weights (1 - nu^2) / (pi E) of displacement along the surface, 1 / (4 pi G) along the normal
         along = self.coating.compliance / math.pi
         normal = along / (2 * (1 - self.coating.poisson_ratio))
         total = {name: dict(weights) for name, weights in self.coating.shear_compliance(datum).items()}
@@ -214,8 +216,8 @@ class CoatedHalfSpace:
     def _changes(self, load: str, name: str, datum: float) -> list[Coefficients]:
         """Return the coefficients of the change of a displacement by each interface.
 
-        The `load` is "pressure" or "traction"; the displacement `name` is "z" under pressure, a key of the compliance
-        under traction.
+        The `load` is "pressure" or "traction"; the displacement `name` is "z" under pressure, and a key of
+        ``ShearCompliance`` under traction.
         """
         return [
             CoatingCoefficients(DisplacementWaves(response, load), depth, name, datum)

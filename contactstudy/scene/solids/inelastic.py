@@ -74,7 +74,7 @@ class ViscoelasticHalfSpace:
         return HalfSpace(self.youngs_modulus, self.poisson_ratio)
 
     def relaxed(self, duration: float) -> HalfSpace:
-        """Return the elastic half-space with the equilibrium modulus, of a fluid that after a `duration` [s] of load."""
+        """Return the elastic half-space of the equilibrium modulus; of a fluid, that after a `duration` [s] of load."""
         of_fluid = (1 - self.poisson_ratio**2) / float(self.creep(duration))
         modulus = self.equilibrium_modulus or of_fluid
         return HalfSpace(modulus, self.poisson_ratio)
@@ -140,7 +140,7 @@ def creeping(solids: Iterable[Body]) -> list["ViscoelasticHalfSpace"]:
 
 
 def relaxed(solids: tuple[Body, Body], duration: float) -> tuple[Body, Body]:
-    """Return both bodies, each that creeps with its equilibrium modulus, as a fluid after a `duration` [s] of load."""
+    """Return both bodies, where each that creeps is :meth:`ViscoelasticHalfSpace.relaxed` after a `duration` [s]."""
     first, second = (body.relaxed(duration) if isinstance(body, ViscoelasticHalfSpace) else body for body in solids)
     return first, second
 

@@ -43,7 +43,7 @@ Kinds = Mapping[Any, Mapping[str, type]]
 # Name of the class of a table without the key `kind`, where a type has one.
 NO_KIND = ""
 Target = TypeVar("Target")
-# Symbols that books and drawings have for fields.
+# Symbols that books and drawings have for fields, and the diameter, which is no field of round bodies.
 SYMBOLS_OF_FIELDS = {
     "E": "youngs_modulus", "nu": "poisson_ratio", "v": "poisson_ratio", "R": "radius", "r": "radius", "L": "length",
     "F": "total", "P": "total", "w": "per_length", "W": "per_length", "mu": "coefficient", "k": "coefficient",
@@ -108,7 +108,7 @@ class _Reader:
             entries = next((get_args(option) for option in others if get_origin(option) is tuple), ())
             if any(self._options(entry)[0] for entry in entries):
                 return self._tuple(path, value, entries)
-            # without what no file can write: None, and a dataclass in place of its table
+            # None and a dataclass in place of its table, which Python may give but no file, are taken as they are
             return value if value is None or is_dataclass(value) else valid(path, value, reduce(or_, others))
         except InvalidInput as error:
             self.refusals.append(str(error))
@@ -236,7 +236,7 @@ def _unknown(key: str, names: Collection[str], owner: str | None) -> str:
         others = f"choose from {', '.join(names)}" if names else "leave it out"
         return f"{key!r} is a key of {owner}: give that kind, or {others}"
     remedy = suggestion(_closest(key, names) or key, names) if names else "it has no keys, leave it out"
-    return f"unknown key {key!r}: {remedy}"
+    return f"unknown key {key!r}: {remedy}{', half of it' * (key == 'diameter' and 'radius' in names)}"
 
 
 def likely_units(raw: object, path: str = "") -> Iterator[str]:
@@ -252,7 +252,8 @@ def likely_units(raw: object, path: str = "") -> Iterator[str]:
             continue
         field = name.rpartition(".")[2]
         least, largest, si, meant = LIKELY.get(field, (0, inf, "", ""))
-        is_light = field == "per_length" and not isinstance(entry, int)  # may well be meant
+        # a small load with a decimal point may be meant
+        is_light = field == "per_length" and not isinstance(entry, int)
         if (0 < entry < least and not is_light) or largest <= abs(entry) < inf:
             yield f"{name} is {entry!r}, which is {entry:g} {si}: was '{entry:g} {meant}' meant?"
 

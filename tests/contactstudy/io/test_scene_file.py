@@ -105,6 +105,7 @@ def test_what_a_file_leaves_open_is_planned_for_its_error(tmp_path: Path) -> Non
 WRONG = (
     (GOOD, '"10 mm"', '"10 N"', "shapes[0].radius is '10 N': give a length, such as '10 mm'"),
     (GOOD, "radius", "radus", "shapes[0]: unknown key 'radus': did you mean 'radius'."),
+    (GOOD, "radius", "diameter", "shapes[0]: unknown key 'diameter': did you mean 'radius', half of it."),
     (GOOD, '"Cylinder"', '"Cylindr"', "shapes[0]: its kind is 'Cylindr': did you mean 'Cylinder'."),
     (GOOD, 'kind = "Cylinder"', "", "shapes[0]: it has no kind: choose from Cylinder, "),
     (GOOD, '[load]\nper_length = "100 N/mm"', "", "load: it is missing: give a table with a kind, one of LineLoad, "),

@@ -49,15 +49,16 @@ class Reporter:
     report
         Function that gets the progress.
     target
-        Residual at which the method stops, or relative error in L1 that a refinement has to reach.
+        Residual at which the method stops, or relative error in L1 that a refinement has to reach: of `iteration`,
+        `grid` and `film_step`.
     problem
-        Problem of the iterations that are reported.
+        Problem whose iterations `iteration` reports; None for other methods.
     """
 
     report: Callable[[Progress], object]
     target: float = 0.0
     problem: Problem | None = None
-    first_residual: float = field(default=0.0, init=False)
+    first_residual: float = field(default=0.0, init=False)  # 0 until one is reported
 
     def iteration(self, residual: float, pressure: Array) -> None:
         """Report the residual and the dimensionless pressure (x, y) after an iteration of one static contact."""
@@ -78,8 +79,8 @@ class Reporter:
         self.report(Progress(1.0, text, pressure, grid))
 
     def change(self, change: float, allowed: float) -> None:
-        """Report the last relative change of the pressure in outer iterations, and the one at which they stop."""
-        text = f"change of the pressure {change:.1e} of {allowed:.1e}"
+        """Report the change of the gap, over its scale, in an outer iteration, and the one at which they stop."""
+        text = f"change of the gap {change:.1e} of {allowed:.1e}"
         self.report(Progress(self._fallen(change, allowed), text))
 
     def passes(self, done: float, passes: int) -> None:
@@ -101,5 +102,6 @@ class Reporter:
         """Return the fraction, in logarithms, that a residual has fallen from the first one to its target."""
         if not isfinite(residual) or residual <= 0:
             return float(residual == 0)
+        # at least ten times the target, so that the fraction is defined where the first residual is below the target
         first = self.first_residual = self.first_residual or max(residual, 10 * target)
         return min(max(log(first / residual) / log(first / target), 0.0), 1.0)

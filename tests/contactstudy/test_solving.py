@@ -34,6 +34,7 @@ def test_a_solve_reports_its_progress_on_the_threads_of_its_device(kind: str) ->
     fractions = [progress.fraction for progress, _ in seen]
     assert 0 <= min(fractions) < 1
     assert fractions[-1] == 1
+    assert (kind == "rolling") == any("change of the gap" in progress.text for progress, _ in seen)
     assert {count for _, count in seen} == {2}
     assert threads() == 1
 

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from contactstudy.evolution.time_stepper import Frame, Trajectory
 
 # A frame: a dry contact, or a film.
-Frames = TypeVar("Frames", "Contact", "LubricatedContact")
+AnyFrame = TypeVar("AnyFrame", "Contact", "LubricatedContact")
 
 NO_BOUND_OF_PASSES = (
     "No bound: the discretisation error of repeated rolling is not estimated. It is of first order in the cell width: "
@@ -46,7 +46,7 @@ NO_BOUND_OF_FILMS = "No bound for the discretisation error of a film at one inst
 # Reasons for which a number has no bound until it is compared with solutions on coarser cells; these then give the
 # bound.
 BY_GRIDS = frozenset({NO_ESTIMATE, NO_BOUND_OF_STATES, NO_BOUND_OF_FILMS})
-# Outcomes of steps after which nothing is known of the error: later instants follow from a state that is none.
+# Outcomes of steps after which nothing is known of the error: later instants follow from a state that is no equilibrium.
 WITHOUT_EQUILIBRIUM = (Status.NOT_CONVERGED, Status.FILM_NOT_CONVERGED, Status.SHEAR_BEYOND_YIELD, Status.WORN_THROUGH)
 
 
@@ -272,7 +272,7 @@ def evolution_answer(trajectory: "Trajectory", requested: Request | None = None)
     return Evolution(tuple(frames), kept.times, posed, requested, kept)
 
 
-def _until_worn_through(scene: Scene, times: Array, frames: Iterable[Frames]) -> list[Frames]:
+def _until_worn_through(scene: Scene, times: Array, frames: Iterable[AnyFrame]) -> list[AnyFrame]:
     """Return the answers at instants, `times` [s], up to the first with the coating worn through, whose status says so.
 
     Where the coating is thinner than at first, the errors have no bound, since its response is that of its first
@@ -280,8 +280,9 @@ def _until_worn_through(scene: Scene, times: Array, frames: Iterable[Frames]) ->
     """
     body = 0 if scene.wear is None else scene.wear.body
     solid = scene.solids[body]
+    # only a coated body has interfaces; the thickness of others is that of a plate
     thickness = getattr(solid, "thickness", inf) if getattr(solid, "interfaces", ()) else inf
-    kept: list[Frames] = []
+    kept: list[AnyFrame] = []
     for number, frame in enumerate(frames):
         worn = frame.state.get("wear_depth")
         deepest = 0.0 if worn is None else float(worn.values.max())
@@ -297,7 +298,7 @@ def _until_worn_through(scene: Scene, times: Array, frames: Iterable[Frames]) ->
     return kept
 
 
-def _unbounded(frame: Frames, reason: str) -> Frames:
+def _unbounded(frame: AnyFrame, reason: str) -> AnyFrame:
     """Return an answer whose errors by the cells are infinite, for a `reason` that its warnings say first."""
     parts: dict[str, Any] = {name: replace(part, discretisation=inf, reason=reason) for name, part in frame.error}
     warnings = reason, *frame.error.warnings
@@ -347,7 +348,7 @@ def passes_answer(rolled: "RepeatedRolling", requested: Request | None = None) -
     unresolved_waves = unresolved(shortest_wavelengths(shapes), grid)
     of_heights = standing_heights(shapes), unresolved_waves, *left_out(shapes, grid)
     warnings = (NO_BOUND_OF_PASSES, *filter(None, of_heights))
-    estimate = ErrorEstimate(unknown, unknown, unknown, unknown, warnings=warnings)
+    estimate = ErrorEstimate(unknown, peak_pressure=unknown, contact_area=unknown, mean_gap=unknown, warnings=warnings)
     frames = tuple(
         contact_answer(replace(each_pass.solution, status=each_pass.status), estimate=estimate)
         for each_pass in rolled.passes
@@ -372,5 +373,8 @@ def films_answer(films: "FilmTrajectory", requested: Request | None = None) -> E
         warnings = (*filter(None, (unresolved_waves,)), NO_BOUND_OF_FILMS)
         frames.append(film_answer(contact, time=time, estimate=ErrorEstimate(l1, warnings=warnings)))
     kept = _until_worn_through(first.scene, np.array(films.times), frames)
-    films = replace(films, contacts=films.contacts[: len(kept)], times=films.times[: len(kept)])
+    errors = films.time_discretisation_errors[: len(kept)]
+    films = replace(
+        films, contacts=films.contacts[: len(kept)], times=films.times[: len(kept)], time_discretisation_errors=errors
+    )
     return Evolution(tuple(kept), np.array(films.times), posed, requested, films=films)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.answers.evolution import films_answer
 from contactstudy.domain.grid import Array
 from contactstudy.evolution.evolve_lubricated import FilmTrajectory, evolve_lubricated
 from contactstudy.lubrication.film_equation import FilmEquation
@@ -172,3 +173,15 @@ def test_the_error_by_the_steps_does_not_depend_on_the_instants_recorded() -> No
         value, reference = (films.contacts[-1].pressure for films in (evolution, exact))
         error = np.abs(value - reference).sum() / reference.sum()
         assert 0 < error < evolution.time_discretisation_errors[-1] + exact.time_discretisation_errors[-1]
+
+
+def test_films_end_where_a_coating_is_worn_through_with_as_many_errors() -> None:
+    coat = cs.CoatedHalfSpace(cs.HalfSpace(600e9, 0.2), 1e-6, cs.HalfSpace(210e9, 0.3))
+    scene = by_moes(20, 5)
+    film = solve_lubricated(scene, grid(64, 4.0), cs.ExactPeriodicity())
+    film = replace(film, scene=replace(scene, solids=(coat, scene.solids[1])))
+    films = tuple(replace(film, wear_depth=np.full(film.pressure.shape, depth)) for depth in (0.0, 2e-6, 3e-6))
+    found = films_answer(FilmTrajectory((0.0, 1.0, 2.0), films, {}, np.zeros(3)))
+    assert found.status is cs.Status.WORN_THROUGH
+    assert found.films is not None
+    assert len(found.frames) == len(found.films.times) == len(found.films.time_discretisation_errors) == 2

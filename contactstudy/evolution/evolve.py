@@ -35,7 +35,17 @@ from contactstudy.domain.files import digest, locked, read_verified, remove_part
 from contactstudy.domain.grid import Array, Grid, Padding, Paddings
 from contactstudy.domain.imports import VERSION, import_for, source_hash
 from contactstudy.domain.validation import InvalidInput, NotDefined
-from contactstudy.evolution.march import Control, ErrorEstimator, March, Method, Position, Record, Scheme, schedule
+from contactstudy.evolution.march import (
+    MIN_STEPS_PER_PERIOD,
+    Control,
+    ErrorEstimator,
+    March,
+    Method,
+    Position,
+    Record,
+    Scheme,
+    schedule,
+)
 from contactstudy.evolution.time_stepper import (
     Frame,
     Instant,
@@ -78,8 +88,6 @@ INITIAL_STEP = 1e-2
 MIN_ERROR_OVER_TOLERANCE = 100
 # Files of a checkpoint: a recorded frame by its index, and the march to go on from.
 FRAME_FILE, STATE_FILE = "frame_{:05d}.npz", "state.npz"
-# Least steps in a period of a load that repeats: at whole and at half periods a sine has the same load.
-PER_PERIOD = 4
 NO_ESTIMATE_OF_STEPS = "No bound: the time-discretisation error was not estimated."
 CUT_OFF_STRAIN = "No bound: the plastic strain is cut off at the edge of the grid, give Grid.extent a larger one."
 # Error by the cells at the end of an integration over that of the last contact alone: with each state variable, which
@@ -118,7 +126,7 @@ class Errors:
     largest_by_cells
         Largest error by the cells of a recorded contact, summed over the cells [Pa].
     largest_by_residual
-        The same by the residual, of contacts that stopped before the tolerance, recorded or not.
+        Largest error by the residual of a contact that stopped before the tolerance, recorded or not, summed alike [Pa].
     after_stiff_step
         Time [s] after the last step longer than a retardation time, and errors of the pressure then: summed over the
         cells, and the largest of any [Pa]. They decay at least as fast as creep in the longest retardation time; the
@@ -177,7 +185,7 @@ class DrySteps(Method[Instant, Frame]):
 
         `before` and `after` are the instants (fine, coarse) at the begin and at the end of the pair.
         """
-        if after[0].change == inf:
+        if inf in (after[0].step_error, after[1].step_error):
             return inf
         change = (after[0].pressure - after[1].pressure) - (before[0].pressure - before[1].pressure)
         of_traction = self._traction_error(*after) - self._traction_error(*before)
@@ -201,7 +209,7 @@ class DrySteps(Method[Instant, Frame]):
         # what is recorded in the middle lies between two instants of the doubled step
         factor = INSIDE_STIFF_STEP if self.stepper.creep_ends_within(errors.step) else 1.0
         pairs = zip(earlier, errors.by_steps, strict=True)
-        errors.inside = ErrorsBySteps(*(max(before, factor * after) for before, after in pairs))
+        errors.inside = ErrorsBySteps(*(max(at_begin, factor * at_end) for at_begin, at_end in pairs))
         size = self._size_of_traction(fine)
         return max(errors.by_steps.l1, errors.by_steps.traction / size if size else 0.0)
 
@@ -218,7 +226,7 @@ class DrySteps(Method[Instant, Frame]):
             for name, field in variable.fields(state).items()
         }
         problem, displacement, estimate = solution.problem, solution.displacement, None
-        # that of a contact without state variables is made of the frame when it is asked for
+        # without state variables the estimate is that of a contact at rest, made from the frame when it is asked for
         if variables or has_failed or not solution.pressure.any():
             problem = stepper.problem
             displacement = solution.gap + solution.approach - problem.undeformed_gap
@@ -459,7 +467,7 @@ def evolve(
         turns=load.turning_points(end) if stepper.depends_on_path else (),
         history=scene.friction.history if isinstance(scene.friction, Fretting) else None,
         # steps of whole periods would meet the load at the same place of each, and not see that it changes
-        longest=getattr(load, "period", inf) / PER_PERIOD if keeps_states else inf,
+        longest=getattr(load, "period", inf) / MIN_STEPS_PER_PERIOD if keeps_states else inf,
     )
     control = None
     if keeps_states and error is not None:

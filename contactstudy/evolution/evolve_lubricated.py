@@ -1,6 +1,6 @@
 """Lubricated contact in time: histories of load and speed, and surfaces that move through it.
 
-The film satisfies the Reynolds equation with the squeeze term, the rate of the lubricant content. That is a backward
+The film satisfies the Reynolds equation with the squeeze term, the rate of the lubricant content. The rate is a backward
 difference over two steps (BDF2 with steps of varying length), and each step is solved by the iteration of a steady
 film. It starts from a predictor, the polynomial through the last instants, three at most. The difference between
 predictor and solution estimates the error of the step (Gear 1971, Numerical Initial Value Problems in Ordinary
@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 from contactstudy.domain.grid import Array, ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.domain.validation import InvalidInput
 from contactstudy.evolution.march import (
+    MIN_STEPS_PER_PERIOD,
     ROUNDING,
     Breakpoint,
     Control,
@@ -46,9 +47,9 @@ from contactstudy.solvers.solution import Counts, Status
 ERROR_OVER_DIFFERENCE = 1.5
 # Statuses of a film whose errors are infinite.
 FAILED = (Status.FILM_NOT_CONVERGED, Status.NOT_CONVERGED)
-# First step, over the time in which the mean speed passes a cell. The constants of steps were chosen on waves that pass
-# in 12 to 96 steps.
-FIRST = 0.5
+# First step, over the time in which the mean speed passes a cell, chosen on waves that pass in 12 to 96 steps. The first
+# two steps have no estimate: half and twice this length changed a film that starts from rest by 0.3 and 1.1 %.
+FIRST_STEP = 0.5
 # Step in pseudo-time [a / u_m] of the iteration of a step in time, so long that it is Newton's.
 PSEUDO_TIME_STEP = 1e6
 # Most iterations of a step. A step takes a few; one that takes more is tried again with a shorter length.
@@ -56,11 +57,10 @@ MAX_ITERATIONS = 60
 # Error of a step of BDF2 over the difference to a quadratic through three instants (Gear 1971, for equal steps).
 ERROR_OF_STEP = 2 / 11
 # Least thickness of a predicted film over that at the last instant: a thinner one is no film to begin with.
+# Half and twice of it changed no steps of a dent that passes, of loads that jump, and of a start from rest.
 MIN_FILM_FRACTION = 0.3
 # Farthest motion of a moving shape in a step, over Hertz's half-width, so that none passes the contact unseen.
 LONGEST_MOTION = 0.5
-# Least steps in a period of a load that repeats: at whole and at half periods a sine has the same load.
-PER_PERIOD = 4
 # Numbers that may have their extremes between recorded instants, by name: attributes of a film.
 NUMBERS = {
     "peak_pressure": "peak_pressure",
@@ -70,7 +70,7 @@ NUMBERS = {
     "rolling_resistance": "rolling_resistance",
 }
 # Allowed error of a step where neither it nor its length is given: a tenth of the default error of the pressure. And
-# where its length is given: none is rejected for its error.
+# where its length is given: none is rejected for its error but those that fail, whose error is infinite.
 STEP_ERROR, UNLIMITED = 1e-3, 1e99
 # Work of films in time, with its meaning in words.
 WORK = {
@@ -152,9 +152,9 @@ class _Instant:
     iteration
         The iteration that led to the film, with the film.
     content
-        Lubricant content (x, y) of the film: density times thickness where it fills the gap.
+        Dimensionless lubricant content (x, y) of the film: density times thickness where it fills the gap.
     rate
-        Rate of the film thickness (x, y) in these units; None of the steady film.
+        Rate of the dimensionless film thickness (x, y) per unit of time; None of the steady film.
     """
 
     time: float
@@ -229,12 +229,12 @@ def evolve_lubricated(
                 f"Scene.load is 0 at {time:g} s, when no film has a thickness of its own: give loads above 0, such as a "
                 "hundredth of the largest, or other times."
             )
-    start = _FilmStepper.begin(scene, grid, padding, first, tolerance)
+    start = _FilmState.begin(scene, grid, padding, first, tolerance)
     passage = start.posed.equation.cell[0] * start.time_unit
     control = Control(
         error or (STEP_ERROR if step is None else UNLIMITED),
         _Films.order,
-        first=2 * (step or FIRST * passage),
+        first=2 * (step or FIRST_STEP * passage),
         # two pairs of steps at least, as the first steps have no estimate
         longest=min(2 * (step or inf), 2 * start.longest_step, last - first),
     )
@@ -243,7 +243,7 @@ def evolve_lubricated(
     return film_trajectory(records, [record.state.contact for record in records], method.ranges)
 
 
-class _Films(Method["_FilmStepper", Record["_FilmStepper"]]):
+class _Films(Method["_FilmState", Record["_FilmState"]]):
     """Steps of a film. `ranges` are the lowest and highest value of each of `NUMBERS` after all pairs of steps."""
 
     order = 3
@@ -251,12 +251,12 @@ class _Films(Method["_FilmStepper", Record["_FilmStepper"]]):
     def __init__(self) -> None:
         self.ranges: dict[str, tuple[float, float]] = {}
 
-    def step(self, state: "_FilmStepper", end: float) -> "_FilmStepper":
+    def step(self, state: "_FilmState", end: float) -> "_FilmState":
         """Return the film after a step to `end` [s]."""
         return state.advanced(end)
 
     def accept(
-        self, before: "_FilmStepper", middle: "_FilmStepper", after: tuple["_FilmStepper", "_FilmStepper | None"]
+        self, before: "_FilmState", middle: "_FilmState", after: tuple["_FilmState", "_FilmState | None"]
     ) -> float:
         """Take a pair of steps into the ranges; the error of all steps is not limited."""
         for name, attribute in NUMBERS.items():
@@ -265,13 +265,13 @@ class _Films(Method["_FilmStepper", Record["_FilmStepper"]]):
             self.ranges[name] = min(values), max(values)
         return 0.0
 
-    def recorded(self, record: Record["_FilmStepper"], *, has_failed: bool) -> Record["_FilmStepper"]:
+    def recorded(self, record: Record["_FilmState"], *, has_failed: bool) -> Record["_FilmState"]:
         """Return the record as it is."""
         return record
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class _FilmStepper(MarchState):
+class _FilmState(MarchState):
     """Film at a time, its last three instants, and the film equation at the latest.
 
     Attributes
@@ -303,8 +303,8 @@ class _FilmStepper(MarchState):
     @classmethod
     def begin(
         cls, scene: Scene, grid: Grid, padding: Padding | Paddings, start: float, tolerance: float
-    ) -> "_FilmStepper":
-        """Return a time stepper at the steady film of the first time."""
+    ) -> "_FilmState":
+        """Return the steady film at the first time, `start` [s]."""
         load, largest = scene.load, scene.largest_load
         posed = pose(scene.under(largest), grid, padding)
         time_unit = posed.scales.hertz.half_width / posed.scales.lubrication.largest_speed
@@ -325,7 +325,7 @@ class _FilmStepper(MarchState):
     @property
     def longest_step(self) -> float:
         """Longest step [s]: a part of the load's period, and of the time in which a moving shape passes the contact."""
-        longest: float = getattr(self.scene.load, "period", inf) / PER_PERIOD
+        longest: float = getattr(self.scene.load, "period", inf) / MIN_STEPS_PER_PERIOD
         if any(hasattr(shape, "gap_after") for shape in self.scene.shapes):
             fastest = 1 + abs(self.posed.scales.lubrication.slide_roll_ratio) / 2
             longest = min(longest, LONGEST_MOTION * self.time_unit / fastest)
@@ -342,16 +342,16 @@ class _FilmStepper(MarchState):
         iteration = self.iteration
         return Counter(iterations=iteration.iterations, linear_iterations=iteration.linear_iterations)
 
-    def advanced(self, end: float) -> "_FilmStepper":
+    def advanced(self, end: float) -> "_FilmState":
         """Return the film after a step to `end` [s].
 
-        Its `change` is the error of the step: of the film thickness in L1 over its mean, in the Hertzian zone. It is 0
+        Its `step_error` is that of the film thickness in L1 over its mean, in the Hertzian zone. It is 0
         of the first two steps, which have no three instants before them, and infinite where the iteration failed.
         """
         length = end - self.time
         speed = self.posed.scales.lubrication.speed_at
         middle = speed(self.time + length / 2)
-        distance = self.distance + length * (speed(self.time) + 4 * middle + speed(end)) / 6
+        distance = self.distance + length * (speed(self.time) + 4 * middle + speed(end)) / 6  # Simpson's rule
         load = self.scene.load
         load_before = load.before(end) if isinstance(load, ChangingLoad) else self.scene.largest_load
         now = self._posed_at(end, distance, load_before)
@@ -373,7 +373,7 @@ class _FilmStepper(MarchState):
             change = np.abs(thickness - self._extrapolated(time, "thickness"))[inside].mean()
             error = ERROR_OF_STEP * float(change / thickness[inside].mean())
         error = error if iteration.converged(self.tolerance) else inf
-        return replace(self, time=end, past=(instant, *self.past[:2]), now=now, distance=distance, change=error)
+        return replace(self, time=end, past=(instant, *self.past[:2]), now=now, distance=distance, step_error=error)
 
     @cached_property
     def contact(self) -> FilmSolution:

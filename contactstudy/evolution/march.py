@@ -174,6 +174,8 @@ MAX_REJECTED_FACTOR, MAX_RESTART_FACTOR = 0.5, 0.7
 # Fraction of the whole time below which a pair is not rejected for too large an error, as times are rounded to 1e-16;
 # and for a step without a solution, where 20 halvings did not find one.
 SHORTEST, SHORTEST_WITHOUT_SOLUTION = 1e-12, 1e-6
+# Least steps in a period of a load that repeats: at whole and at half periods a sine has the same load.
+MIN_STEPS_PER_PERIOD = 4
 # Relative difference of two times, or lengths of time, that is rounding.
 ROUNDING = 1e-9
 # Two steps from point to point make no pair where their lengths differ by a larger factor. The error of a method of
@@ -194,7 +196,7 @@ class Breakpoint:
     time
         Time [s].
     before, after
-        Load [N/m] before and after a jump; equal where the load does not jump, and where the method needs no load.
+        Load [N/m] before and after a jump; equal where the load does not jump, and 0 where the method needs no load.
     times_recorded
         Number of times that the contact is recorded: 0, 1, or 2 for before and after a jump.
     is_discontinuity
@@ -299,14 +301,14 @@ class MarchState:
         solves none until it is asked leaves them out.
     replaced
         Contacts solved in the step and replaced by better ones, whose work counts and whose outcomes do not.
-    change
+    step_error
         Relative error of the step as its method estimates it; 0 if it does not, infinite if a solve failed.
     """
 
     time: float
     contacts: tuple[Any, ...] = ()
     replaced: tuple[Any, ...] = ()
-    change: float = 0.0
+    step_error: float = 0.0
 
     @property
     def statuses(self) -> tuple[Status, ...]:
@@ -379,10 +381,10 @@ class Method(Generic[S, R]):
     def error(self, before: tuple[S, S], middle: S, after: tuple[S, S]) -> float:
         """Return the relative error of a pair of steps, from the (short, doubled) states before and after it.
 
-        Here it is the largest :attr:`~MarchState.change` of its steps.
+        Here it is the largest :attr:`~MarchState.step_error` of its steps.
         """
-        doubled: float = after[1].change / 2**self.order
-        return max(middle.change, after[0].change, doubled)
+        doubled: float = after[1].step_error / 2**self.order
+        return max(middle.step_error, after[0].step_error, doubled)
 
     def accept(self, before: S, middle: S, after: tuple[S, S | None]) -> float:
         """Take note of a pair of steps or a jump, and return the relative error of all steps; 0 if it is not limited.
@@ -519,15 +521,15 @@ class March(Generic[S, R]):
 
         `save` is called wherever a march can go on from :attr:`position`, with nothing left to be recorded at its time.
         """
-        if self.position.fine.change == inf:
+        if self.position.fine.step_error == inf:
             self._record(self.position.fine, None)
-        while self.position.fine.change < inf and self.position.point_index < len(self.points):
+        while self.position.fine.step_error < inf and self.position.point_index < len(self.points):
             if self.position.fine.time < self.points[self.position.point_index].time:
                 self._pair(self.points[self.position.point_index])
             point = self.points[self.position.point_index]
-            if self.position.fine.time >= point.time and self.position.fine.change < inf:
+            if self.position.fine.time >= point.time and self.position.fine.step_error < inf:
                 self._arrive(point)
-            if save is not None and self.position.fine.change < inf:
+            if save is not None and self.position.fine.step_error < inf:
                 save()
         return self.results
 
@@ -536,13 +538,13 @@ class March(Generic[S, R]):
         here, begin, doubled = self.position, self.position.fine, self.position.coarse
         half, end = self._ends(point)
         middle = self._step(begin, half)
-        if self._rejects(middle.change, end):
+        if self._rejects(middle.step_error, end):
             return
-        if middle.change == inf or doubled is None:
+        if middle.step_error == inf or doubled is None:
             self._accept(begin, middle, (middle, doubled), list(middle.statuses))
             return
         statuses, passed = list(middle.statuses), None
-        if half == point.time:
+        if half == point.time:  # outcomes up to the point in the middle belong to its record
             here.statuses, statuses = here.statuses + statuses, []
             here.point_index += 1
             passed = self._cut(middle, None) if point.times_recorded else None
@@ -577,7 +579,7 @@ class March(Generic[S, R]):
             return False
         after = self.points[self.position.point_index + 1]
         ratio = (after.time - point.time) / (point.time - self.position.fine.time)
-        # without load both integrations have the same pressure
+        # without load both integrations have the same pressure, and their difference would show no error
         return after.before != 0 and max(ratio, 1 / ratio) <= MAX_RATIO_OF_PAIR
 
     def _step(self, state: S, end: float) -> S:
@@ -608,7 +610,7 @@ class March(Generic[S, R]):
         here.fine, here.coarse = after
         here.statuses += statuses
         steps = [fine] if fine is middle else [middle, fine]
-        if fine.change < inf:
+        if fine.step_error < inf:
             here.total["steps"] += len(steps)
             error = self.method.accept(begin, middle, after)
             if here.control is not None and error > here.control.allowed:
@@ -616,8 +618,8 @@ class March(Generic[S, R]):
                 self._begin(here.control.stricter(error), here.total)
                 return
         if passed is not None:
-            self.results.append(self.method.recorded(passed, has_failed=fine.change == inf))
-        if fine.change == inf:
+            self.results.append(self.method.recorded(passed, has_failed=fine.step_error == inf))
+        if fine.step_error == inf:
             self._record(fine, None)
         elif self.progress is not None:
             for state in steps:
@@ -631,7 +633,7 @@ class March(Generic[S, R]):
         if point.jumps:
             self._jump()
         here.point_index += 1
-        if here.fine.change == inf:
+        if here.fine.step_error == inf:
             self._record(here.fine, None)
         elif point.times_recorded:
             self._record(here.fine, here.coarse)
@@ -643,7 +645,7 @@ class March(Generic[S, R]):
         while True:
             fine, coarse = self.method.jump(begin, max(2 * increments, 1)), doubled
             here.total.update(fine.work)
-            if fine.change == inf or doubled is None:
+            if fine.step_error == inf or doubled is None:
                 break
             coarse = self.method.jump(doubled, max(increments, 1))
             here.total.update(coarse.work)
@@ -656,7 +658,7 @@ class March(Generic[S, R]):
         here.statuses += fine.statuses
         if coarse is not None and coarse is not doubled:
             here.statuses += coarse.statuses
-        if fine.change < inf:
+        if fine.step_error < inf:
             self.method.accept(begin, fine, (fine, coarse))
 
     def _cut(self, state: S, coarse: S | None) -> Record[S]:
@@ -672,4 +674,4 @@ class March(Generic[S, R]):
     def _record(self, state: S, coarse: S | None) -> None:
         """Add to the results what the method makes of the record of a `state` and its `coarse` one."""
         record = self._cut(state, coarse)
-        self.results.append(self.method.recorded(record, has_failed=self.position.fine.change == inf))
+        self.results.append(self.method.recorded(record, has_failed=self.position.fine.step_error == inf))

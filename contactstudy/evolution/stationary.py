@@ -37,7 +37,7 @@ from contactstudy.lubrication.pseudo_time import FilmControls
 from contactstudy.lubrication.steady_film import solve_lubricated
 from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Field, Problem
-from contactstudy.scene.friction import Wear, check_slow
+from contactstudy.scene.friction import TractiveRolling, Wear, check_slow
 from contactstudy.scene.loads import ChangingLoad, LineLoad
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.shapes.shape import LengthScales
@@ -299,7 +299,7 @@ class _Wearing(Method[QuasiStatic[Contact], Record[QuasiStatic[Contact]]]):
         after = self.solved(depth, predicted)
         change = float(np.abs(after.pressure - predicted.pressure).sum() / state.contact.pressure.sum())
         has_failed = after.status.is_failure or predicted.status.is_failure
-        return QuasiStatic(time=end, contacts=(predicted, after), change=inf if has_failed else change, depth=depth)
+        return QuasiStatic(time=end, contacts=(predicted, after), step_error=inf if has_failed else change, depth=depth)
 
     def recorded(self, record: Record[QuasiStatic[Contact]], *, has_failed: bool) -> Record[QuasiStatic[Contact]]:
         """Return the record as it is."""
@@ -311,8 +311,10 @@ class _Wearing(Method[QuasiStatic[Contact], Record[QuasiStatic[Contact]]]):
         """Return the contact at each of `times` [s], or up to one without a solution; see :func:`follow_wear`."""
         instants, unworn = ascending(times), np.zeros(self.grid.cells)
         contact = self.solved(unworn, None)
-        change = inf if contact.status.is_failure else 0.0
-        start = QuasiStatic[Contact](time=min(0.0, instants[0]), contacts=(contact,), change=change, depth=unworn)
+        step_error = inf if contact.status.is_failure else 0.0
+        start = QuasiStatic[Contact](
+            time=min(0.0, instants[0]), contacts=(contact,), step_error=step_error, depth=unworn
+        )
         rate = float(self.rate(contact).max())
         # a pair of steps
         first = 2 * self.first_depth / rate if rate else inf
@@ -387,8 +389,9 @@ def follow_wear(
         """Return pressure times sliding speed (x, y) [W/m^2]."""
         traction = contact.traction
         if isinstance(traction, RollingTraction):
-            # where it slips, friction times slip is the coefficient of friction times pressure times slip
-            return traction.power / float(getattr(scene.friction, "coefficient", 1.0))
+            assert isinstance(scene.friction, TractiveRolling)
+            # the frictional power per area is the coefficient of friction times pressure times sliding speed
+            return traction.power / scene.friction.coefficient
         return wear.speed * contact.pressure
 
     wearing = _Wearing(wear, grid, solved, power, FIRST_DEPTH * problem.scales.gap)

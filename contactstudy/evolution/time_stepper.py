@@ -264,7 +264,7 @@ class TimeStepper:
         return (*self.state_variables, *coupled)
 
     def is_half_order(self, step: float) -> bool:
-        """Return whether the order after a `step` [s] may be 1/2, as where wear begins, by wear, slip or stiff creep."""
+        """Return whether errors after a `step` [s] may be of order 1/2: by wear, by slip, or by creep over within it."""
         return self._wears or self.fretting is not None or self.creep_ends_within(step)
 
     @property
@@ -362,7 +362,7 @@ class TimeStepper:
         """Solve the contact at the end of one stage, and advance every state variable.
 
         Where slip wears, contact and slip are iterated to a fixed point: the state of fretting before the stage holds
-        the slip of the last iterate, from which the contact takes its wear.
+        the slip of the last iterate, from which the contact takes its wear; it stays the same object once converged.
         """
         coupled: tuple[State, ...] = ()
         solutions: list[Solution] = []
@@ -407,7 +407,7 @@ class TimeStepper:
             adhesion=solution.adhesion,
             contacts=(solution,),
             replaced=tuple(solutions[:-1]),
-            change=0.0 if np.isfinite(solution.residual) else inf,
+            step_error=0.0 if np.isfinite(solution.residual) else inf,
             max_halvings=instant.max_halvings,
         )
 
@@ -437,6 +437,7 @@ class TimeStepper:
         def solve_under(
             frozen: Problem, attraction: Array, options: SolveOptions, start: Array | None
         ) -> tuple[Solution, float]:
+            """Return contact and energy [J] under a frozen `attraction` (x, y) [Pa], and keep the strain in `after`."""
             nonlocal after
             contact = WarmStartedContact(frozen, options, pressure if start is None else start)
             solution, after, energy = coupled.solve_step(state, contact, options.tolerance, attraction, after)
@@ -560,7 +561,7 @@ class TimeStepper:
         """
         scales = self.problem.scales
         ratio = load / self.load.largest if load > 0 and self.problem.adhesion is None else 1.0
-        if scales.length < self.problem.grid.extent[0]:
+        if scales.length < self.problem.grid.extent[0]:  # a flat contact has the width of the grid as its scale
             length, pressure = sqrt(ratio * compliance_ratio), sqrt(ratio / compliance_ratio)
         else:
             length, pressure = 1.0, ratio
@@ -647,7 +648,7 @@ def _fretting_state(scene: Scene, problem: Problem, options: SolveOptions) -> Fr
 def _relative_creep(scene: Scene, datum: float) -> CreepState | None:
     """Return the creep of both bodies, which are elastically similar, over their instantaneous compliance.
 
-    It is a factor on the elastic response; None if neither creeps.
+    It is a factor on the elastic response; None if neither creeps. Displacements count from the distance `datum` [m].
     """
     total = sum(body.compliance for body in scene.solids)
     of_bodies = [body.creep.scaled(1 / total) for body in creeping(scene.solids)]

@@ -1,8 +1,10 @@
 import re
 from dataclasses import replace
 from functools import partial
+from math import inf
 from pathlib import Path
 from socket import gethostname
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,7 +13,8 @@ import pytest
 import contactstudy as cs
 from contactstudy.answers.evolution import evolution_answer
 from contactstudy.evolution import evolve as checkpoint
-from contactstudy.evolution.evolve import evolve
+from contactstudy.evolution.evolve import DrySteps, evolve
+from contactstudy.evolution.time_stepper import Instant
 from tests.contactstudy.evolution.creeping import (
     EXACT,
     LOAD,
@@ -175,6 +178,16 @@ def test_the_error_of_given_steps_is_bounded_for_any_lengths_of_them(
     for frame in evolve(scene, GRID, EXACT, times=times).frames[1:]:
         assert relative(frame.pressure, exact[np.searchsorted(fine, frame.time)]) <= frame.errors_by_steps["l1"]
     assert frame.errors_by_steps["l1"] < 0.1
+
+
+@pytest.mark.parametrize("failed", [0, 1])
+def test_a_pair_has_an_infinite_error_where_short_or_long_steps_have_no_solution(failed: int) -> None:
+    unknown: Any = SimpleNamespace(coupled=None)
+    before = Instant(time=0.0, load=1.0, pressure=np.ones((1, 1)), states=())
+    after = [replace(before, time=1.0), replace(before, time=1.0)]
+    after[failed] = replace(after[failed], pressure=np.full((1, 1), np.nan), step_error=inf)
+    steps = DrySteps(unknown, "step_doubling")
+    assert steps.error((before, before), before, (after[0], after[1])) == inf
 
 
 def test_a_frame_before_the_load_is_zero_keeps_its_own_error() -> None:

@@ -28,8 +28,8 @@ class Heun(Method[Decay, Record[Decay]]):
         predicted = state.value * (1 - duration)
         after = state.value - duration / 2 * (state.value + predicted)
         if end > nextafter(state.last, inf):
-            return replace(state, time=end, change=inf, contacts=(solved(cs.Status.NOT_FINITE),))
-        return replace(state, time=end, value=after, change=abs(after - predicted))
+            return replace(state, time=end, step_error=inf, contacts=(solved(cs.Status.NOT_FINITE),))
+        return replace(state, time=end, value=after, step_error=abs(after - predicted))
 
     def recorded(self, record: Record[Decay], *, has_failed: bool) -> Record[Decay]:
         return record
@@ -48,7 +48,7 @@ def marched(
 def test_steps_keep_to_their_error_and_the_longer_ones_tell_that_of_all() -> None:
     records = marched(Decay(), 0.0, 0.7, 2.0, error=1e-5)
     assert [record.state.time for record in records] == [0.0, 0.7, 2.0]
-    assert all(record.state.change <= 1e-5 for record in records)
+    assert all(record.state.step_error <= 1e-5 for record in records)
     # of second order: the error of the short steps is a third of the difference
     last, coarse = records[-1].state, records[-1].coarse
     assert abs(last.value - exp(-2.0)) == pytest.approx(abs(last.value - coarse.value) / 3, rel=0.2)
@@ -69,7 +69,7 @@ def test_a_march_ends_with_a_step_that_has_no_solution_at_its_own_time() -> None
     assert cs.Status.NOT_FINITE in last.statuses
     assert last.coarse is None
     assert last.state.time == pytest.approx(1.0, abs=1e-5)
-    assert [record.state.change for record in marched(Decay(change=inf), 1.0)] == [inf]
+    assert [record.state.step_error for record in marched(Decay(step_error=inf), 1.0)] == [inf]
 
 
 class Summed(Heun):

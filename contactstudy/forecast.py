@@ -44,19 +44,19 @@ GRID_SECONDS = 10.0
 # Seconds up to which a solve on the planned grid itself, or on a finer one for numbers, is carried out as a level: so
 # small a solve is known best by doing it.
 EXACT_SECONDS = 0.5
-# Factor on the cells along an axis, from the grid for the pressure to that for numbers, up to which the former is
-# expected to do: bounds on coarse cells fall faster than such a grid is chosen for. With 1, two of five rough contacts
-# had plans for 1.8 and 1.5 times the cells of their solves.
+# Factor on the cells along an axis, from the grid for the pressure to a finer one for all numbers of the answer, up to
+# which the finer one is not expected: it follows from coarse levels, whose bounds fall faster than it is chosen for.
+# With 1, two of five rough contacts had plans for 1.8 and 1.5 times the cells of their solves.
 LEAST_FINER = 1.5
-# Seconds of a finer grid for numbers that is not solved for the plan, together with those of grids that may follow it,
-# over its own: some solves take one more grid of up to twice the cells.
+# Factor on the seconds of a finer grid for numbers that is not solved for the plan, for the grids that may follow it:
+# some solves take one more, of up to twice the cells.
 WITH_FURTHER_GRIDS = 1.25
 # Number of cells across of the coarsest level: on fewer a contact has three or four, and its iterations are no measure.
 LEAST_CELLS = 12
 # Least fraction done from which the seconds of a solve are extrapolated: below it a progress is that of the set-up.
 LEAST_FRACTION = 1e-4
-# Number of cells that take as long as all of a solve that does not grow with the cells, such as calls: 48^2 to 768^2
-# cells of rough and crowned contacts take 0.015 s, and 1 s for a million cells.
+# Number of cells whose seconds are those of the part of a solve that does not grow with the cells, such as calls: rough
+# and crowned contacts of 48^2 to 768^2 cells take 0.015 s, and 1 s more for each million cells.
 CELLS_OF_CALL = 16_000
 # Least and largest power of the cells with which the seconds are taken to grow, where two levels show one: calls alone
 # make it small, and dense matrices, or more steps on finer cells, large.
@@ -173,7 +173,7 @@ class _Request:
     Attributes
     ----------
     planned
-        Its plan without error and seconds.
+        The plan, as yet without error and seconds.
     error
         Requested error; None where the grid is given without one.
     times
@@ -352,7 +352,8 @@ class _Request:
     def solved(self, grid: Grid, factor: int) -> Level:
         """Return the level on a `grid` of 1 / `factor` of the planned cells along each axis.
 
-        A steady film is solved to an error larger by the square of the factor.
+        A steady film is solved to an error larger by the square of the factor, for which it chooses its own cells where
+        no grid was given.
         """
         error, named = self.error, dict[str, Any]()
         if self.scene.method is methods.FILM and self.target is not None:
@@ -401,7 +402,10 @@ class _Request:
             yield grid
 
     def grid_of_film(self, last: Level) -> Grid:
-        """Return the grid on which a film is expected to end: refined as that of the `last` level, to a larger error."""
+        """Return the grid on which a film is expected to end: the planned one, refined as in the `last` level.
+
+        That level has a larger error: its first grid is the one planned for that error.
+        """
         from contactstudy.planning.film_plan import film_grid
 
         planned, refined = self.planned.grid, last.grid
@@ -422,7 +426,7 @@ class _Watch:
         self._begin = process_time()
         # fractions done, each with the seconds since the solve began
         self.reports: list[tuple[float, float]] = []
-        # number of the first report on the present grid, and the seconds at which that grid began
+        # index of the first report on the present grid, and the seconds at which that grid began
         self._first, self._begun = 0, 0.0
 
     def __call__(self, progress: Progress) -> None:

@@ -32,7 +32,7 @@ from contactstudy.solvers.solution import Counts, Status
 if TYPE_CHECKING:
     import xarray as xr
 
-# What a bound is said to be in, by the number of the largest one.
+# What a verdict says that the largest bound is in, by the name of the number that has it; "film" for other numbers.
 MEASURES = {
     "friction_coefficient": "friction",
     "flash_temperature": "flash temperature",
@@ -138,6 +138,7 @@ class LubricatedContact(Answer, FilmSolution):
         if "meniscus" in found:  # a meniscus lies between two cells
             meniscus = found["meniscus"]
             changed["meniscus"] = replace(meniscus, bound=meniscus.bound + self.grid.cell_size[0])
+        # on all, half and a quarter of the cells
         frictions = [film.friction for k, film in self._below.items() if k != 3]
         changes = [abs(fine / coarse - 1) if coarse else 0.0 for fine, coarse in pairwise((self.friction, *frictions))]
         if changes[0] > max(NOTICEABLE, changes[-1]):
@@ -247,7 +248,7 @@ def l1_of_films(films: Mapping[int, FilmSolution], wider: FilmSolution, known: E
         on_grid = (interpolated(each.pressure, each.grid, grid.x, grid.y) for each in (film, other))
         return float(np.abs(np.subtract(*on_grid)).sum()) / total
 
-    cells, inlet = MARGIN * by_changes(films, 1.0, distance), INLET * distance(films[2], wider)
+    cells, inlet = MARGIN * by_changes(films, order=1.0, distance=distance), INLET * distance(films[2], wider)
     return replace(known, discretisation=cells, inlet=inlet, reason="")
 
 

@@ -174,7 +174,7 @@ def solve_rolling(
     problem = replace(problem, description=PosedScene(scene, grid, padding))
     if any(map(creeps, scene.solids)):
         problem = replace(rolling(problem), source=source.with_problem_step(rolling))
-    # the traction changes the pressure between dissimilar bodies; else it is solved once, under the last one
+    # the traction changes the pressure between dissimilar bodies; else it is solved once, under the last pressure
     friction_solver = problem.friction
     is_coupled = getattr(friction_solver, "coupling", None) is not None
     odd = [antisymmetric_weights] if antisymmetric_weights else []

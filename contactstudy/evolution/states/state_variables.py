@@ -236,8 +236,8 @@ class WearState:
 def least_eigenvalue(contact_modulus: float, cell: float) -> float:
     """Return the smallest eigenvalue [m/Pa] of the influence matrix of touching cells, ``0.742 cell / contact_modulus``.
 
-    It is that of plane strain, with the width of a cell [m] across and the contact modulus E* [Pa]; cells that are
-    also short along the length have a smaller one.
+    It is that of plane strain, for a pressure that alternates from `cell` to cell, whose width is in [m]: 0.742 is
+    ``8 G / pi^2`` with Catalan's constant G. Cells that are also short along the length have a smaller one.
     """
     return 0.742 * cell / contact_modulus
 
@@ -499,7 +499,7 @@ class FrettingState:
         Unless tangential and normal compliances are proportional, the locked-in traction is not proportional to the
         increment of the pressure: cells in contact throughout the step have one rigid-body displacement, cells that
         enter contact take `slope` times their pressure. The error of the latter is estimated from the deviation in
-        neighbouring cells.
+        neighbouring cells, and spread over all cells as the increment of the pressure.
         """
         reference, in_contact = locked_shear(shear, before, after, slope), before > 0
         gained = slope * (after - before)
@@ -572,7 +572,7 @@ class FrettingState:
         return float(state["shear_error"].sum()) / size if size > TINY else 0.0
 
     def size(self, state: State) -> float:
-        """Return the sum of the components of the traction [Pa] over all cells, by their sizes.
+        """Return the sum of the absolute components of the traction [Pa] over all cells.
 
         It is at least the limit of the traction times the tolerance, below which the traction is rounding.
         """

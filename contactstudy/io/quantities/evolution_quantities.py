@@ -135,6 +135,7 @@ def _extremes(
         ):  # at a kink the extreme is at the instant itself
             places = before, index, after
             beyond = _beyond_parabola([instants[place] for place in places], [values[place] for place in places])
+        # of the rival, beyond a lowest value too, only the distance from the value counts
         quantities[name] = replace(
             quantity, value=values[index], label=label, bound=bound + beyond, reason=reason or quantity.reason,
             position={"time": float(time)}, detail="", rivals=(*quantity.rivals, (values[index] + MARGIN * beyond, 0.0)),
@@ -362,6 +363,7 @@ def passes_quantities(rolled: "RepeatedRolling") -> dict[str, Quantity]:
     quantities = {}
     for name, (values, unit, label) in found.items():
         bound = PASS_MARGIN * float(np.abs(values - coarse[name][0]).max())
+        # the last pass alone adds these
         is_elastic = name.startswith(("last", "forward")) and not coarse[name][0][-1]
         reason = common_reason or (NO_BOUND_OF_PASS if is_elastic else "")
         quantities[name] = Quantity(float(values[-1]), unit, label, inf if reason else bound, reason)

@@ -24,8 +24,8 @@ NOT_NUMERICAL = ("io", "planning", "forecast.py")
 
 
 @cache
-def source_hash(core: Path = Path(__file__).parents[2]) -> str:
-    """Return a hash of the modules in the package ``core`` that can change a number."""
+def source_hash(core: Path = Path(__file__).parents[1]) -> str:
+    """Return a hash of the modules in the folder ``core``, by default this package, that can change a number."""
     digest = hashlib.sha256()
     for path in sorted(core.rglob("*.py")):
         name = path.relative_to(core)

@@ -9,6 +9,7 @@ import pytest
 import contactstudy as cs
 from contactstudy import InvalidInput
 from contactstudy.domain.files import Memo, digest
+from contactstudy.domain.imports import source_hash
 from studies.definitions.settings import case_at
 
 CASE = case_at({"padding": "superposed", "images": 2, "period": 0.3, "grid": 16})
@@ -71,3 +72,7 @@ def test_objects_with_hidden_state_are_refused() -> None:
     ):
         with pytest.raises(InvalidInput, match=said):
             digest(value)
+
+
+def test_the_hash_of_the_source_is_of_this_package_alone() -> None:
+    assert source_hash() == source_hash(Path(cs.__file__).parent)

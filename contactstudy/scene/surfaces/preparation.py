@@ -188,8 +188,8 @@ def _cylinder(heights: Array, extent: tuple[float, float] | None) -> tuple[Array
     x, y = (_from_middle(count) * side / largest for count, side in zip(heights.shape, half, strict=True))
     # curvatures of the quadratic give the start: the axis lies along the smaller
     form = polynomial(heights, 2)[1]
-    second = np.array([[2 * form.get((2, 0), 0.0), form.get((1, 1), 0.0)], [0.0, 2 * form.get((0, 2), 0.0)]])
-    curvatures, axes = np.linalg.eigh((second + second.T) / 2 / np.outer(half, half))
+    xx, xy, yy = 2 * form.get((2, 0), 0.0), form.get((1, 1), 0.0), 2 * form.get((0, 2), 0.0)
+    curvatures, axes = np.linalg.eigh(np.array([[xx, xy], [xy, yy]]) / np.outer(half, half))
     across = axes[:, np.argmax(np.abs(curvatures))]
     tilt = np.array([form.get((1, 0), 0.0), form.get((0, 1), 0.0)]) / half
     start = [-curvatures[np.argmax(np.abs(curvatures))] * largest, np.arctan2(across[1], across[0])]

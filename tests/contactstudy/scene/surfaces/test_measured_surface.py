@@ -4,6 +4,7 @@ import pickle
 import re
 from dataclasses import replace
 from math import cos, pi, sin
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.scene.surfaces.measurement import measurement
-from contactstudy.scene.surfaces.preparation import Ends, cell_means
+from contactstudy.scene.surfaces.preparation import Ends, cell_means, trend_text
 
 GRID = cs.Grid(cells=(24, 16), extent=(2e-4, 1e-4))
 HEIGHTS = np.random.default_rng(0).standard_normal(GRID.cells) * 1e-7
@@ -179,6 +180,13 @@ def test_a_cylinder_is_taken_off_with_its_radius_and_its_axis(angle: float, radi
     assert computed is not None, surface.description
     assert float(computed[1]) == pytest.approx(1e3 * radius, rel=1e-3)
     assert (float(computed[2]) - angle + 90) % 180 == pytest.approx(90, abs=0.1)  # an axis has no direction
+
+
+def test_the_fit_of_a_cylinder_starts_along_its_axis(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("scipy.optimize.least_squares", lambda _, start, **options: SimpleNamespace(x=np.array(start)))
+    x, y = (np.linspace(-1, 1, 60) for _ in range(2))
+    form = -((x[:, None] * cos(pi / 9) + y * sin(pi / 9)) ** 2)
+    assert "its axis at 20.0 degrees" in trend_text("cylinder", 1e-6 * form, (1e-3, 1e-3))
 
 
 @pytest.mark.parametrize("wavelength", [20e-6, 80e-6])

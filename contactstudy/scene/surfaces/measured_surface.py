@@ -27,9 +27,9 @@ class MeasuredSurface:
     """Measured surface.
 
     The surface is centred on the grid; a smaller grid contains its middle part. A grid must not be wider than the
-    surface without a seam across, and a longer period must be a whole multiple of the surface's. One smooth surface is
-    interpolated whose mean over the cell of each point is its height, and a cell of any grid has the mean of that
-    surface. Two surfaces are equal if the `digest` of all heights and all other fields agree.
+    surface unless `seam_across` repeats it, and a period of the grid above the surface's must be a whole multiple of
+    it. One smooth surface is interpolated whose mean over the cell of each point is its height, and a cell of any grid
+    has the mean of that surface. Two surfaces are equal if the `digest` of all heights and all other fields agree.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ class MeasuredSurface:
     seam
         Rule of the periodic extension along the length, applied last.
     seam_across
-        Rule of the periodic extension across, for a flat that repeats across; unchanged heights otherwise.
+        Rule of the periodic extension across; as measured (the default), the surface is not repeated across.
     file
         File that the heights were read from, if any.
     is_turned
@@ -167,19 +167,19 @@ class MeasuredSurface:
         if extent is not None:
             sides = [side * n / m for side, n, m in zip(extent, points.shape, self.heights.shape, strict=True)]
             extent = sides[0], sides[1]
-        # a file cannot express a tile of a tile, or of a turned surface
+        # a scene file names the file of the heights, a tile and a turn, but no tile of a tile or of a turned surface
         file = None if self.tile or self.is_turned else self.file
         return replace(self, heights=points, extent=extent, file=file, tile=tile)
 
     def turned(self) -> Self:
-        """Return this surface rotated by 90 degrees: its length then runs across the contact."""
+        """Return this surface rotated by 90 degrees, from x to y: its length then runs across the contact."""
         extent = None if self.extent is None else (self.extent[1], self.extent[0])
-        turned = not self.is_turned  # two quarters are a half turn, which a file cannot express
+        turned = not self.is_turned  # two quarters are a half turn, for which a scene file has no word
         file = self.file if turned else None
         return replace(self, heights=np.rot90(self.heights), extent=extent, file=file, is_turned=turned)
 
     def with_extent_of(self, grid: Grid) -> Self:
-        """Return this surface with the extent that it has on `grid`, so that it can be put on others."""
+        """Return this surface with an extent, that of the cells of `grid` if it had none, so that others can hold it."""
         if self.extent is not None:
             return self
         width, length = grid.extent
@@ -198,7 +198,7 @@ class MeasuredSurface:
         varies_along = (heights != heights[:, :1]).any()
         return LengthScales(
             shortest_wavelengths=(2 * steps[0], 2 * steps[1] if varies_along else inf),
-            period=self.seam.lengths * extent[1] if varies_along else 0.0,
+            period=self.seam.lengths * extent[1] if varies_along else 0.0,  # zero: any
             height=height,
             known_width=self.seam_across.lengths * extent[0],
             spacing=steps,

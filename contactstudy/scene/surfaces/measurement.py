@@ -23,7 +23,8 @@ from contactstudy.scene.surfaces.preparation import polynomial
 from contactstudy.scene.surfaces.text_file import decoded, length_unit, table
 from contactstudy.scene.surfaces.text_surface import FileContent, Reading
 
-# Numbers, of either sign, that instruments write for a point that was not measured; any from VOID on is one.
+# Numbers, of either sign, that instruments write for a point that was not measured; any from VOID on is one, such as the
+# 1.70141e38 of Surfer and the largest float: it is far above a height in any unit.
 MARKS = (999, 9999, 99999, 999999, 32767, 32768, 65535, 2147483648)
 VOID = 1e30
 # With fewer different heights, as of a step or of a plane, no height is unusual.
@@ -79,7 +80,7 @@ def measured_points(name: str, content: FileContent, reading: Reading) -> tuple[
     second, most = (int(place) for place in np.argsort(counts)[-2:])
     is_frequent = counts[most] >= max(MIN_SHARED, SHARED_MORE * counts[second]) and 0 < most < len(heights) - 1
     for place in [place for place in lone if counts[place] > 1] + [most] * int(is_frequent):
-        height = heights[place] + 0.0
+        height = heights[place] + 0.0  # without the sign of -0.0
         raise InvalidInput(
             f"path is {name!r}, in which {counts[place]} points have the one height {height:g}, as points that were "
             f'not measured: give invalid = {height:g}, or sizes = "confirmed" if they were measured.'
@@ -93,6 +94,7 @@ def check_plausible(name: str, points: Array, sizes: tuple[float, float] | None)
     if not (fault := _fault(level, sizes)):
         return
     spikes = ""
+    # half a per cent at each end is far more than there are spikes, and far less than a real surface's heights
     if not _fault(np.clip(level, *np.nanquantile(level, (0.005, 0.995))), sizes):
         steps = "; ".join(steps_between(points)) or "a few points far from the others"
         spikes = f" ({steps}: spikes, or points that were not measured)"
@@ -195,7 +197,7 @@ def read(path: str | PathLike[str], reading: Reading) -> tuple[Array, tuple[floa
     if data.startswith(b"\x93NUMPY"):
         content = FileContent(_array(name), text_surface.unit_of_heights(name, reading), None)
     elif data.startswith((b"CDF", b"\x89HDF")) and (written := _written(path)) is not None:
-        text_surface.unit_of_heights(name, reading, 1.0)
+        text_surface.unit_of_heights(name, reading, 1.0)  # refuses a unit beside the file other than its metres
         content = FileContent(written[0], 1.0, written[1], is_own=True)
     elif text is not None and not text.startswith(OF_LIBRARY):
         content = text_surface.surface_of_text(name, table(name, text, reading.decimal), reading)
@@ -264,8 +266,8 @@ def _of_library(name: str, reading: Reading) -> FileContent:
                 lacking |= {} if channel.physical_sizes is not None else {"physical_sizes": channel.nb_grid_pts}
                 surface = channel.topography(**lacking)
                 values = np.ma.filled(np.ma.asarray(surface.heights(), dtype=np.float64), np.nan)
-                side = length_unit(str(surface.unit))
-                sizes = tuple(float(size) * (side or 1.0) for size in surface.physical_sizes)
+                own = length_unit(str(surface.unit))
+                sizes = tuple(float(size) * (own or 1.0) for size in surface.physical_sizes)
         except Exception as unreadable:
             kind = type(unreadable).__name__
             why = f" ({kind}: {shortened(str(unreadable))})" * (kind != "CannotDetectFileFormat")
@@ -277,9 +279,9 @@ def _of_library(name: str, reading: Reading) -> FileContent:
         raise InvalidInput(
             f"path is {name!r}, a profile: export it as text, in columns x and z, or give a file of a surface."
         )
-    if channel.unit is not None and side is None:
+    if channel.unit is not None and own is None:
         raise InvalidInput(f"path is {name!r}, with heights in {channel.unit!r}: give a file of heights.")
-    unit = text_surface.unit_of_heights(name, reading, None if channel.unit is None else side)
+    unit = text_surface.unit_of_heights(name, reading, None if channel.unit is None else own)
     return FileContent(values, unit, None if "physical_sizes" in lacking else (sizes[0], sizes[1]))
 
 

@@ -1,7 +1,7 @@
 """Preparation of measured heights: tiles, missing points, trend, filter, periodic extension and resampling to cells.
 
-Heights (x, y) lie across and along the contact. The trend is the form of the part below its roughness, which is
-subtracted; the seam is the step where the two ends of a surface meet when it is repeated.
+Heights (x, y) lie across and along the contact. The trend is the form of the measured body without its roughness, and
+is subtracted; the seam is the step where the two ends of a surface meet when it is repeated.
 """
 
 from math import inf, log, pi, sqrt
@@ -118,13 +118,13 @@ def _harmonic_heights(heights: Array, holes: NDArray[np.bool_]) -> Array:
     from scipy import sparse  # imported only where it is needed
     from scipy.sparse.linalg import spsolve
 
-    def path(count: int) -> sparse.csr_array:
-        """Return the matrix of a row of points that gives for each the sum of its differences from its neighbours."""
+    def laplacian(count: int) -> sparse.csr_array:
+        """Return the Laplacian of a row of points: for each, the sum of its differences from its neighbours."""
         step = sparse.eye_array(count - 1, count, k=1) - sparse.eye_array(count - 1, count)
         return step.T @ step
 
     is_hole = holes.ravel()
-    of_holes = sparse.kronsum(path(heights.shape[1]), path(heights.shape[0]), format="csr")[is_hole]
+    of_holes = sparse.kronsum(laplacian(heights.shape[1]), laplacian(heights.shape[0]), format="csr")[is_hole]
     border_sums = -of_holes[:, ~is_hole] @ heights[~holes]
     return np.asarray(spsolve(of_holes[:, is_hole].tocsc(), border_sums))
 
@@ -183,6 +183,7 @@ def _cylinder(heights: Array, extent: tuple[float, float] | None) -> tuple[Array
     if extent is None:
         raise InvalidInput("MeasuredSurface.trend is a cylinder, which has no size: give extent.")
     sides = zip(extent, heights.shape, strict=True)
+    # from the middle to the outermost points; a single point has no such distance, and half the size serves
     half = np.array([size / 2 * (1 - 1 / count) or size / 2 for size, count in sides])
     largest = half.max()
     x, y = (_from_middle(count) * side / largest for count, side in zip(heights.shape, half, strict=True))
@@ -198,8 +199,9 @@ def _cylinder(heights: Array, extent: tuple[float, float] | None) -> tuple[Array
     def cylinder(values: Array, x: Array, y: Array) -> Array:
         """Return heights at the points of x and y, all in units of half the largest side.
 
-        The `values` are the curvature, the angle from x of the direction u across the axis, the slope along u at the
-        origin, the slope along the axis v, and the height of the origin.
+        The `values` are the curvature c, the angle from x of the direction u across the axis, the sine s of the slope
+        along u at the origin, the slope along the axis v, and the height of the origin. Along u the circle is
+        ``(sqrt(1 - (c u - s)^2) - sqrt(1 - s^2)) / c``, here in a form that holds for c = 0 too.
         """
         curvature, angle, slope, rise, level = values
         angle = start[1] if 1 in heights.shape else angle  # a profile does not show its axis
@@ -311,13 +313,13 @@ class Mirrored:
     description: ClassVar[str] = "mirrored"
 
     def periodic(self, heights: Array) -> Array:
-        """Return the surface and its mirror image."""
+        """Return heights (x, y), followed along y by their mirror image."""
         return np.concatenate([heights, heights[:, ::-1]], axis=1)
 
 
 @validated
 class Tapered:
-    """Surface that falls to its mean at both ends as a cosine (Tukey's window; Harris 1978, Proc. IEEE 66, eq. 38).
+    """Surface tapered to its mean height at both ends by a cosine (Tukey's window; Harris 1978, Proc. IEEE 66, eq. 38).
 
     In the tapered part the surface is smoother than measured.
 
@@ -338,7 +340,7 @@ class Tapered:
         return f"tapered over {self.fraction / 2:.3g} of the size at each end"
 
     def periodic(self, heights: Array) -> Array:
-        """Return the tapered surface."""
+        """Return heights (x, y), tapered along y."""
         count = heights.shape[1]
         from_end = np.minimum(np.arange(count) + 0.5, count - np.arange(count) - 0.5) / count
         taper = (1 - np.cos(np.pi * np.minimum(from_end / (self.fraction / 2), 1))) / 2
@@ -346,7 +348,7 @@ class Tapered:
         return np.asarray(mean + (heights - mean) * taper)
 
 
-# Rule of the periodic extension of a measured surface.
+# Rule of the periodic extension of a measured surface: its `periodic` gives one period of heights (x, y) along y.
 PeriodicExtension = AsMeasured | Mirrored | Tapered
 # The boundary condition of scipy.interpolate.CubicSpline.
 Ends = Literal["periodic", "not-a-knot"]

@@ -24,7 +24,7 @@ LENGTHS = {
     "m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "micron": 1e-6, "nm": 1e-9, "å": 1e-10, "angstrom": 1e-10, "pm": 1e-12,
     "in": 25.4e-3, "inch": 25.4e-3, "inche": 25.4e-3, "mil": 25.4e-6, "uin": 25.4e-9,
 }  # fmt: skip
-# Words for a missing point, without their asterisks, hyphens, signs and quotes.
+# Words for a missing point, without their asterisks, hyphens, signs and quotes; an empty cell is one too.
 MISSING = re.compile(
     r"|nan(\(\w+\))?|#?n/?a|null|none|bad|inf(inity|inite)?|no ?data|not measured|void|invalid|missing|masked|"
     r"undefined|1\.#(qnan|inf|ind)|#[a-z/]+[!?]?|n\.a\.?|\?"
@@ -157,7 +157,7 @@ def _place_of_table(
         )
     count = max(lengths, key=lambda length: (lengths[length] * length, length))
     fitting = [fits and len(row) == count for fits, row in zip(is_numeric, rows, strict=True)]
-    # one or two numbers alone may be a count or a size above the table, and of more some may lack
+    # one or two numbers above the table may be a count or a size; a longer line of another length is a faulty row of it
     first = next(n for n, row in enumerate(rows) if is_numeric[n] and (fitting[n] or (len(row) > 2 and any(row))))
     # a line of digits and marks is one of the table, even if its numbers cannot be read
     last = max(n for n, line in enumerate(lines) if is_numeric[n] or re.fullmatch(r"[\d\s.,;+-]+", line))
@@ -198,7 +198,7 @@ def _cells(line: str, separator: str | None) -> list[str]:
 
 def _number(cell: str, decimal: str) -> float | None:
     """Return the number in a cell, nan for a missing point, None for any other text."""
-    text = cell.replace(".", "?").replace(",", ".") if decimal == "," else cell
+    text = cell.replace(".", "?").replace(",", ".") if decimal == "," else cell  # a point then makes no number
     try:
         return float(text)
     except ValueError:
@@ -210,8 +210,8 @@ def _number(cell: str, decimal: str) -> float | None:
 def _marks(name: str, lines: list[str], decimal: str | None) -> tuple[str | None, str]:
     """Return the separator of a file, None for blanks, and its decimal sign, from its last lines with digits.
 
-    With them most lines are numbers; of several the first tried counts. A `decimal` sign that is given is kept. Raises
-    InvalidInput where numbers can be read in two ways.
+    They are the pair with which the most lines hold numbers alone, the first tried of several. A `decimal` sign that is
+    given is kept. Raises InvalidInput where numbers can be read in two ways.
     """
     sample = [line for line in lines if re.search(r"\d", line)][-SAMPLE_LINES:]
     frequent = [mark for mark in (";", "\t", ", ", ",") if 2 * sum(mark in line for line in sample) > len(sample)]
@@ -229,6 +229,7 @@ def _marks(name: str, lines: list[str], decimal: str | None) -> tuple[str | None
     cells = [cell for row in rows for cell in row]
     remedy = 'give decimal = "," or decimal = "."'
     if rows and separator == "," and not decimal and not any("." in cell for cell in cells):
+        # a comma in each pair may be a decimal one; of several pairs only where decimals begin with 0, as no number does
         second = [cell for row in rows for cell in row[1::2]]
         is_pair = all(len(row) % 2 == 0 for row in rows) and all(map(str.isdigit, second))
         if is_pair and (len(rows[0]) == 2 or any(re.match(r"0\d", cell) for cell in second)):
@@ -335,7 +336,7 @@ class Header:
         for line in lines:
             line = PER_PIXEL.sub("", line.replace('"', " "))
             words = _words(line)
-            if len(_axes(words)) == 1 or words & WORDS_OF["times"]:  # one number with a decimal comma
+            if len(_axes(words)) == 1 or words & WORDS_OF["times"]:  # one number: a comma in it is a decimal one
                 line = re.sub(r"(?<=\d),(?=\d)", ".", line)
             before = repr(header)
             header._read(re.sub(r"(?<=[a-zß-ÿ])(?=[A-Z])|_", " ", line), shape)
@@ -398,7 +399,8 @@ class Header:
         """Take up one number under the words of a key.
 
         The first of these that it can be counts: the value of invalid points, a factor of heights, a count of points, a
-        number that is not used, a step or a size.
+        number that is not used, a step or a size. A "pixel size" is a step and no count, and a "sampling length", which
+        is of roughness (ISO 4287), not used.
         """
         axes = _axes(words)
         lateral = [axis for axis in axes if axis != "z"] or (["x", "y"] if "z" not in axes else [])

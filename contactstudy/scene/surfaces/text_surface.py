@@ -48,7 +48,7 @@ class Reading:
         Whether implausible sizes are refused. ``"confirmed"`` takes them, and keys that contradict the file.
     """
 
-    called: ClassVar[str] = "MeasuredSurface"
+    called: ClassVar[str] = "MeasuredSurface"  # in messages, since the fields are keywords of MeasuredSurface.read
 
     _: KW_ONLY
     extent: tuple[Metres, Metres] | None = None
@@ -95,7 +95,7 @@ class FileContent(NamedTuple):
 
 
 def unit_of_heights(name: str, reading: Reading, own: float | None = None, unknown: str | None = None) -> float:
-    """Return the unit [m] of the heights of a file.
+    """Return the unit [m] of the heights of a file; of two, that beside the file.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def unit_of_heights(name: str, reading: Reading, own: float | None = None, unkno
             f"MeasuredSurface.unit of {name!r} is {reading.unit!r}: leave it out, since its heights are in {stated}; or "
             f"give {CONFIRMED} too, if the file is wrong."
         )
-    return given or own or 1.0
+    return given or own or 1.0  # one of the first two is known
 
 
 # Points along each side of a matrix, and rows of points in columns. A table of fewer is one of something else.
@@ -136,7 +136,8 @@ COLUMNS = {
     "y": ("y", "dy"),
     "z": ("z", "height", "heights", "raw", "profile", "h", "höhe", "value", "level"),
 }
-# Name of a column of angles, times or voltages: a unit in brackets that is no length, or a word of such a quantity.
+# Name of a column of angles, times or voltages: a word of such a quantity, or in brackets anything but an axis,
+# "lateral" and "unitless". It is asked only of names without a unit of length.
 NO_LENGTH = re.compile(
     r"°|[\[(](?!(?:[xyz]|lateral|unitless)?[\])])[^\])]+[\])]|"
     r"\b(deg\w*|grad|m?rad|sec\w*|[mu]?s|m?v|angle|winkel|time|zeit|index|frame)\b",
@@ -228,7 +229,7 @@ def _matrix(name: str, text: TextTable, header: Header, unit: float, reading: Re
     rows, columns = values.shape
     if columns == 1:  # a profile, whose length may be called that along x or y
         length = header.length("x", rows) or header.length("y", rows)
-        sizes = [] if length is None else [length, length / rows]
+        sizes = [] if length is None else [length, length / rows]  # of square cells
     else:
         lengths = [header.length("y", rows), header.length("x", columns)]
         for axis, step in enumerate(steps):
@@ -266,6 +267,7 @@ def _check_matrix(name: str, blocks: int, header: Header, values: Array, sizes: 
     if len(header.lengths) == 4:  # sizes and steps of both axes
         for axis, points in zip("yx", values.shape, strict=True):
             step, size = header.lengths["step", axis], header.lengths["size", axis]
+            # a size from the first to the last point is one step less, and its digits are rounded
             if abs(step * points - size) > 1.5 * step:
                 doubts.append(f"{axis} {size:g} and {points} times {step:g}")
     fault, remedy = "", f"give the right one, or extent and {CONFIRMED}"
@@ -336,13 +338,14 @@ def _gridded(name: str, places: list[tuple[Array, float]], z: Array) -> Heights:
         shift = max(shift, off * step * unit)
     if len(places) == 1:
         indices.append(0 * indices[0])
-        sizes.append(sizes[0] / (indices[0].max() + 1))
+        sizes.append(sizes[0] / (indices[0].max() + 1))  # of square cells
     heights = np.full((indices[0].max() + 1, indices[1].max() + 1), np.nan)
     if heights.size > 2 * len(z):
         raise InvalidInput(f"path is {name!r}, whose points fill less than half of a grid: {remedy}.")
     heights[indices[0], indices[1]] = z[keep]
     if not np.array_equal(heights[indices[0], indices[1]], z[keep], equal_nan=True):
         raise InvalidInput(f"path is {name!r}, which has two heights at one place: {remedy}.")
+    # less than a thousandth of a step is what rounded digits leave
     is_moved = bool(shift > 1e-3 * min(sizes) / max(heights.shape))
     return heights, (sizes[0], sizes[1]), [f"points moved by up to {readable(shift)} onto a regular grid"] * is_moved
 
@@ -350,8 +353,9 @@ def _gridded(name: str, places: list[tuple[Array, float]], z: Array) -> Heights:
 def _on_line(positions: Array) -> tuple[NDArray[np.intp], float, float]:
     """Return the indices of positions on a regular line, its step, and the largest distance from it in steps.
 
-    Gaps between the lines of a grid are those above a limit: of limits from a half to 1/1024 of the largest gap, for
-    holes of as many lines, the one that gives the most regular line counts.
+    Sorted positions with gaps up to a limit between them have one index; a larger gap leads to the next, or across a
+    hole by as many as it has median gaps. Since the largest gap may be a hole, limits of 1/2, 1/4 ... 1/1024 of it are
+    tried, and the one that gives the most regular line counts.
     """
     order = np.sort(positions)
     gaps = np.diff(order)

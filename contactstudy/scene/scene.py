@@ -146,7 +146,7 @@ class Scene(InNotebook):
     def _check_curvatures(self) -> None:
         """Check that a hollow body has room for the other."""
         across, _ = self.curvatures
-        sharpest = max((abs(curvature_of(shape)) for shape in self.shapes), default=0.0)
+        sharpest = max((abs(curvatures_of(shape)[0]) for shape in self.shapes), default=0.0)
         if across < 0 or 0 <= across < CONFORMING * sharpest:
             raise InvalidInput(
                 f"Scene.shapes have curvatures that add up to {across:.4g} 1/m: the hollow body must have the larger "
@@ -178,7 +178,7 @@ class Scene(InNotebook):
 
     @property
     def radius(self) -> float | None:
-        """Equivalent radius R [m] of the shapes, 1/R the sum of their curvatures; None unless that is above zero."""
+        """Equivalent radius R [m] of a line contact, 1/R the sum of its curvatures; None of flats, and of a ball."""
         curvature = sum(map(curvature_of, self.shapes))
         return 1 / curvature if curvature > 0 else None
 
@@ -366,7 +366,7 @@ class Scene(InNotebook):
 
     @property
     def contact_speeds(self) -> tuple[float, float]:
-        """Speed [m/s] along x of a steady contact over each body; 0 over the one on which it stands still in sliding."""
+        """Speed [m/s] along x of a steady contact over each body; 0 of one at rest, and over the `standing` body."""
         standing, speed = getattr(self.friction, "standing", None), self.rolling_speed or 0.0
         return 0.0 if standing == 0 else speed, 0.0 if standing == 1 else speed
 

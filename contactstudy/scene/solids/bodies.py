@@ -271,7 +271,7 @@ class SceneContext(Protocol):
 
     @property
     def radius(self) -> float | None:
-        """Equivalent radius R [m] of the shapes, 1/R the sum of their curvatures; None unless that is above zero."""
+        """Equivalent radius R [m] of a line contact, 1/R the sum of its curvatures; None of flats, and of a ball."""
 
     @property
     def hertz(self) -> HertzLine | None:

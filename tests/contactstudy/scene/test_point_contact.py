@@ -18,8 +18,9 @@ def test_a_roller_in_a_raceway_is_that_of_the_difference_of_the_curvatures() -> 
     equivalent = replace(scene, shapes=(cs.Cylinder(6e-3),))
     peak, expected = (cs.solve(one).quantities["peak_pressure"].value for one in (scene, equivalent))
     assert peak == pytest.approx(expected)
-    with pytest.raises(cs.InvalidInput, match="the hollow body must have the larger radius"):
-        replace(scene, shapes=(cs.Cylinder(5e-3), cs.Cylinder(-5e-3)))
+    for kind in (cs.Cylinder, cs.Sphere):
+        with pytest.raises(cs.InvalidInput, match="the hollow body must have the larger radius"):
+            replace(scene, shapes=(kind(5e-3), kind(-5e-3)))
 
 
 def test_a_ball_under_newtons_needs_neither_length_nor_padding_nor_grid() -> None:

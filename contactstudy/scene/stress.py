@@ -224,7 +224,7 @@ class SubsurfaceStressOperator:
                 waves *= spectrum
                 field = TRANSFORMS.backward(waves, self.grid.cells, padded)
                 if lacks_mean:
-                    # stress under a uniform unit load: the sum of that under the load on each half of the domain
+                    # stress under a uniform unit load: the sum of that under each of two cells, the fewest of a grid
                     halves, exact = Grid((2, 1), self.grid.extent), ExactPeriodicity()
                     uniform = float(on_padded_grid(terms, halves, (exact, exact)).sum())
                     field += uniform * float(values.mean()) - field.mean()

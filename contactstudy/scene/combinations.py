@@ -24,8 +24,8 @@ class Method:
     kind
         The kind, as messages call it.
     keywords
-        Keywords of :func:`~contactstudy.solve` and settings of :class:`~contactstudy.TimeSteps` that it uses, beside
-        those that all methods use: an error, a period, progress, and a tolerance.
+        Keywords of :func:`~contactstudy.solve` and settings of :class:`~contactstudy.TimeSteps` that it uses, of which
+        ``error`` is one, beside those that all methods use: an error of the answer, a period, progress, a tolerance.
     """
 
     kind: str

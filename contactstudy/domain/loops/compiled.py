@@ -177,7 +177,7 @@ def direction_sums(active: Array, preconditioned: Array, results: Array) -> None
 
 @summing
 def conjugacy_sums(
-    gap: Array, preconditioned: Array, active: Array, before: Array, after: Array,
+    height: Array, preconditioned: Array, active: Array, before: Array, after: Array,
     displacement_before: Array, displacement_after: Array, results: Array,
 ) -> None:  # fmt: skip
     """Write for each row the sums that make a direction conjugate to the last step.
@@ -186,18 +186,18 @@ def conjugacy_sums(
     residual times response, response over the active set, gap times step, and the step. The step is the change of the
     pressure of active cells from `before` to `after`, the response that of the displacement.
     """
-    for i in range(gap.shape[0]):
+    for i in range(height.shape[0]):
         cells = preconditioned_sum = gap_preconditioned = preconditioned_response = 0.0
         active_response = gap_step = step_sum = 0.0
-        for j in range(gap.shape[1]):
+        for j in range(height.shape[1]):
             step = active[i, j] * (after[i, j] - before[i, j])
             response = displacement_after[i, j] - displacement_before[i, j]
             cells += active[i, j]
             preconditioned_sum += preconditioned[i, j]
-            gap_preconditioned += gap[i, j] * preconditioned[i, j]
+            gap_preconditioned += height[i, j] * preconditioned[i, j]
             preconditioned_response += preconditioned[i, j] * response
             active_response += active[i, j] * response
-            gap_step += gap[i, j] * step
+            gap_step += height[i, j] * step
             step_sum += step
         results[i, 0], results[i, 1], results[i, 2] = cells, preconditioned_sum, gap_preconditioned
         results[i, 3], results[i, 4] = preconditioned_response, active_response
@@ -207,9 +207,9 @@ def conjugacy_sums(
 @summing
 def trial(
     pressure: Array, height: Array, preconditioned: Array, active: Array, shift: float, beta: float,
-    step_length: float, limit: float, step: Array, results: Array,
+    step_length: float, limit: float, buffer: Array, results: Array,
 ) -> None:  # fmt: skip
-    """Write the pressure one step ahead, without tension, over `step`, which holds the pressure before the last step.
+    """Write the pressure one step ahead, without tension, into `buffer`, which holds that before the last step.
 
     The direction is `shift` less the preconditioned residual, plus `beta` times the last step; it is zero outside the
     active set. Each row gets the number of cells that were beyond a limit, the sum of the new pressure, the number of
@@ -223,13 +223,13 @@ def trial(
         for j in range(columns):
             direction = shift - preconditioned[i, j]
             if beta != 0:
-                direction += beta * (pressure[i, j] - step[i, j])
+                direction += beta * (pressure[i, j] - buffer[i, j])
             change = direction * active[i, j] * step_length
             after = pressure[i, j] + change
             slope += height[i, j] * change
             cut += 1.0 if (after < 0) | (after > limit) else 0.0
             after = 0.0 if after <= 0 else after  # a nan stays nan
-            step[i, j] = after
+            buffer[i, j] = after
             load += after
             loaded += 1.0 if after > 0 else 0.0
             largest[j] = after if after > largest[j] else largest[j]
@@ -251,8 +251,8 @@ def load_above(trial: Array, shift: float, results: Array) -> None:
 
 
 @summing
-def project(trial: Array, shift: float, scale: float, pressure: Array, height: Array, results: Array) -> None:
-    """Subtract a shift from a trial pressure, cut it off at zero and multiply it by a factor, in place.
+def project(trial: Array, shift: float, factor: float, pressure: Array, height: Array, results: Array) -> None:
+    """Subtract a `shift` from a trial pressure, cut it off at zero and multiply it by a `factor`, in place.
 
     Each row gets the slope of the complementary energy along the step from `pressure`.
     """
@@ -260,7 +260,7 @@ def project(trial: Array, shift: float, scale: float, pressure: Array, height: A
         slope = 0.0
         for j in range(trial.shape[1]):
             shifted_pressure = trial[i, j] - shift
-            trial[i, j] = (0.0 if shifted_pressure <= 0 else shifted_pressure) * scale
+            trial[i, j] = (0.0 if shifted_pressure <= 0 else shifted_pressure) * factor
             slope += height[i, j] * (trial[i, j] - pressure[i, j])
         results[i, 0] = slope
 
@@ -329,9 +329,10 @@ def block_means(field: Array, means: Array, begin: int, end: int) -> None:
 def block_means_transposed(
     pressure: Array, blocks: Array, block_active: Array, active: Array, begin: int, end: int
 ) -> None:
-    """Add to the pressure of each cell in the active set its part of the pressure of its block, in place.
+    """Add to the pressure of each cell in the active set a quarter of that of its block, the transposed mean, in place.
 
-    The pressure becomes zero outside the set; `block_active` are the means of `active` over the blocks.
+    The pressure becomes zero outside the set. `block_active` are the means of `active` over the blocks; `blocks` is the
+    pressure times them, as :class:`SpectralExtension` returns it, by which it is divided here.
     """
     columns = blocks.shape[1]
     line = np.empty(2 * columns, dtype=pressure.dtype)

@@ -148,12 +148,12 @@ KERNEL direction_sums(FIELD, const REAL* active, const REAL* preconditioned, dou
     give(v, out);
 }
 
-KERNEL conjugacy_sums(FIELD, const REAL* gap, const PRE* preconditioned, const PRE* active, const REAL* before,
+KERNEL conjugacy_sums(FIELD, const REAL* height, const PRE* preconditioned, const PRE* active, const REAL* before,
                       const REAL* after, const REAL* displacement_before, const REAL* displacement_after, double* work,
                       double* out) {
     double v[7] = {0, 0, 0, 0, 0, 0, 0};
     CELLS(cells) {
-        const double inside = active[i], residual = preconditioned[i], distance = gap[i];
+        const double inside = active[i], residual = preconditioned[i], distance = height[i];
         const double step = inside * (after[i] - before[i]), response = displacement_after[i] - displacement_before[i];
         v[0] += inside;
         v[1] += residual;
@@ -169,17 +169,17 @@ KERNEL conjugacy_sums(FIELD, const REAL* gap, const PRE* preconditioned, const P
 
 // Number of cells cut off, load, loaded cells, slope; largest pressure.
 KERNEL trial(FIELD, const REAL* pressure, const REAL* height, const PRE* preconditioned, const PRE* active,
-             double shift, double beta, double step_length, double limit, REAL* step, double* work, double* out) {
+             double shift, double beta, double step_length, double limit, REAL* buffer, double* work, double* out) {
     double v[5] = {0, 0, 0, 0, 0};
     CELLS(cells) {
         double direction = shift - preconditioned[i];
-        if (beta != 0) direction += beta * (pressure[i] - step[i]);
+        if (beta != 0) direction += beta * (pressure[i] - buffer[i]);
         const double change = direction * active[i] * step_length;
         double after = pressure[i] + change;
         v[3] += height[i] * change;
         v[0] += after < 0 || after > limit;
         after = after <= 0 ? 0 : after;
-        step[i] = after;
+        buffer[i] = after;
         v[1] += after;
         v[2] += after > 0;
         v[4] = after > v[4] ? after : v[4];
@@ -188,7 +188,7 @@ KERNEL trial(FIELD, const REAL* pressure, const REAL* height, const PRE* precond
     give(v, out);
 }
 
-// Shift, cut off at zero and scale a pressure to the `load`, see `shift_to_load`; the slope along the step to it.
+// Shift, cut off at zero and multiply a pressure to the `load`, see `shift_to_load`; the slope along the step to it.
 KERNEL project(FIELD, REAL* trial, double load, double current_load, double loaded_cells, double rounding,
                const REAL* pressure, const REAL* height, double* work, double* out) {
     double shift = 0, before = -1;
@@ -206,11 +206,11 @@ KERNEL project(FIELD, REAL* trial, double load, double current_load, double load
         current_load = v[0];
         loaded_cells = v[1];
     }
-    const double scale = fabs(current_load / load - 1) <= rounding ? 1 : load / current_load;
+    const double factor = fabs(current_load / load - 1) <= rounding ? 1 : load / current_load;
     double slope[1] = {0};
     CELLS(cells) {
         const double shifted = trial[i] - shift;
-        const REAL after = (shifted <= 0 ? 0 : shifted) * scale;
+        const REAL after = (shifted <= 0 ? 0 : shifted) * factor;
         trial[i] = after;
         slope[0] += (double)height[i] * (after - pressure[i]);
     }

@@ -71,7 +71,8 @@ class HertzLine:
     def displacement(self, x: ArrayLike, datum: float) -> Array:
         """Return the displacement [m] at `x` [m] from the axis, that of both bodies together, positive into them.
 
-        It counts from the distance `datum` [m], at which the surface would not move if W acted on the axis alone.
+        It counts from the distance `datum` [m], at which the surface would not move if W acted on the axis alone. It is
+        Flamant's displacement of a line load, ``2 / (pi E*) log(datum / x)`` a unit of load, over the pressure.
         """
         t = np.abs(np.asarray(x, dtype=np.float64)) / self.half_width
         out = np.maximum(t, 1)
@@ -129,6 +130,7 @@ def first_yield(
     """
     yield_stress = valid("yield_stress", yield_stress, Pascals)
     unit = HertzLine(1.0, radius, contact_modulus)
+    # steps of 0.01 and 0.005 half-widths find the largest stress to 6e-6, twice these to 5e-5
     x = (np.linspace(-1.2, 1.2, 241) if friction else np.zeros(1))[:, None]
     xx, zz, xz = unit.stress(x * unit.half_width, np.linspace(0, 2, 401) * unit.half_width, friction)
     yy = poisson_ratio * (xx + zz)
@@ -138,12 +140,13 @@ def first_yield(
 
 
 def first_yield_of_ball(yield_stress: float, poisson_ratio: float) -> float:
-    """Return the peak pressure [Pa] at which a half-space first yields below a ball, after von Mises.
+    """Return the peak pressure [Pa] at which a half-space with a tensile `yield_stress` [Pa] first yields below a ball.
 
-    Its largest stress is 0.62 of the peak pressure at a Poisson's ratio of 0.3 (Johnson 1985, sect. 4.2(a)); below an
-    ellipse it lies between that and the 0.558 of a line contact.
+    The largest von Mises stress is 0.62 of the peak pressure at a Poisson's ratio of 0.3 (Johnson 1985, sect. 4.2(a));
+    below an ellipse it lies between that and the 0.558 of a line contact.
     """
     unit = HertzPoint(1.0, 1.0, 1.0)
+    # it is 0.38 to 0.55 contact radii deep for Poisson's ratios up to 0.5; steps of 0.005 find it to 1e-5
     rr, zz = unit.axis_stress(np.linspace(0.1, 1.5, 281) * unit.contact_radius, poisson_ratio)
     return float(yield_stress * unit.peak_pressure / np.abs(rr - zz).max())
 
@@ -197,11 +200,11 @@ class LeeRadok:
         instants = contact_time + root**2
         elapsed = span**2 * (1 - nodes) * (1 + nodes)
         slope = sum(e / tau * np.exp(-elapsed / tau) for e, tau in self.relaxation)
-        depth = np.sqrt(np.maximum(self.half_width(instants) ** 2 - inside_x**2, 0))
-        relaxed = (depth * slope * 2 * root * weights * span).sum(axis=-1)
-        present_depth = np.sqrt(self.half_width(time) ** 2 - inside_x[..., 0] ** 2)
+        half_chord = np.sqrt(np.maximum(self.half_width(instants) ** 2 - inside_x**2, 0))
+        relaxed = (half_chord * slope * 2 * root * weights * span).sum(axis=-1)
+        present_half_chord = np.sqrt(self.half_width(time) ** 2 - inside_x[..., 0] ** 2)
         instantaneous = self.equilibrium + sum(e for e, _ in self.relaxation)
-        return np.where(inside, (instantaneous * present_depth - relaxed) / (2 * self.radius), 0.0)
+        return np.where(inside, (instantaneous * present_half_chord - relaxed) / (2 * self.radius), 0.0)
 
     def _time_of_contact(self, x: Array, time: float) -> Array:
         """Return the time [s] at which the contact reached `x`, by bisection down to rounding."""
@@ -324,12 +327,12 @@ class HertzEllipse:
             e, k = ellipe(1 - square), ellipkm1(square)
             return float((e / square - k) / (k - e) - largest / least)
 
-        # k - e vanishes for round contacts
+        # k - e vanishes for round contacts; a ratio b / a of 1e-7 is that of curvatures 6e12 times as large
         nearly_round = largest / least < 1 + 1e-6
         ratio = 1.0 if nearly_round else float(np.exp(brentq(excess, np.log(1e-7), -1e-7)))
-        bend = sum(curvatures) / 2
+        mean_curvature = sum(curvatures) / 2
         numerator = 1.5 * self.load * ellipe(1 - ratio**2)
-        major = float(np.cbrt(numerator / (np.pi * self.contact_modulus * bend)) * ratio ** (-2 / 3))
+        major = float(np.cbrt(numerator / (np.pi * self.contact_modulus * mean_curvature)) * ratio ** (-2 / 3))
         minor = ratio * major
         return (minor, major) if curvatures[0] >= curvatures[1] else (major, minor)
 
@@ -411,7 +414,8 @@ class Westergaard:
 def moes_film(load_parameter: float, viscosity_parameter: float) -> float:
     """Return the central film thickness of a lubricated line contact, ``(h / R) (eta0 u_s / (E' R))^(-1/2)``.
 
-    E' = 2 E*, and u_s is the sum of the surface speeds. Fitted between four asymptotes: rigid or elastic bodies, an
+    E' = 2 E*, R is the combined radius, W the load per length, u_s the sum of the surface speeds, eta0 the viscosity at
+    no pressure, and alpha its pressure coefficient. Fitted between four asymptotes: rigid or elastic bodies, an
     isoviscous or a Barus lubricant. Source: Moes (1992), Venner & Lubrecht (2000).
 
     Parameters
@@ -463,7 +467,7 @@ def dowson_higginson_film(load_parameter: float, viscosity_parameter: float) -> 
     bodies in a piezoviscous lubricant. Source: Dowson (1968), Proc. Inst. Mech. Eng. 182 (3A), 151. Parameters are
     those of :func:`moes_film`.
     """
-    # u_m is half the sum of the speeds in Moes' unit, of which the powers of U cancel
+    # u_m is half of Moes' u_s; by M, L and his unit all powers of U cancel but this factor 2
     return float(2.65 / 2**0.7 * viscosity_parameter**0.54 * load_parameter**-0.13)
 
 

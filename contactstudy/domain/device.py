@@ -92,7 +92,7 @@ class Cpu:
     Parameters
     ----------
     threads
-        Number of threads that share the work, at least 1. Answers differ by rounding alone.
+        Number of threads that share the work, at least 1. Answers differ by the rounding of transforms alone.
 
     Raises
     ------

@@ -3,7 +3,7 @@
 All errors are relative. Those of a pressure are in L1: the sum over the cells of its absolute error, over that of the
 pressure. A number without a law of its error is bounded by its changes between grids: the same contact is solved on a
 half, a third and a quarter of the cells along each axis, and what the number changes there is extrapolated with the
-power of the cell size with which errors fall. How these bounds are computed stands with the answers.
+power of the cell size with which errors fall. These bounds are computed in the package `answers`.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -118,7 +118,8 @@ INLET = 1.75
 def pressure_request(request: Request) -> float:
     """Return the relative L1 error of the pressure with which a request begins.
 
-    Numbers that a request names without the pressure refine the cells from there, see :data:`DEFAULT_ERROR`.
+    Without one of its own that is the smallest of the request, but at least :data:`DEFAULT_ERROR`: numbers that need
+    less refine the cells from there.
     """
     if not isinstance(request, Mapping):
         return request

@@ -323,10 +323,9 @@ def reason(error: Exception, path: Path | None = None) -> str:
 def locked(path: Path, what: str) -> Iterator[None]:
     """Hold the lock at ``path`` during the block; `what` is locked, as the message calls it.
 
-    The file names its holder and is removed at the end. On a file system without locks the holder that the
-    file names decides. Raises
-    :class:`~contactstudy.InvalidInput` if another process holds the lock, which it names, or if the lock cannot be
-    taken, such as a symbolic link.
+    The file names its holder and is removed at the end. On a file system without locks the holder that the file names
+    decides. Raises :class:`~contactstudy.InvalidInput` if another process holds the lock, which the message names, or
+    if the lock cannot be taken, as where the path is a symbolic link.
     """
     try:
         descriptor = open_descriptor(path, os.O_RDWR | os.O_CREAT)

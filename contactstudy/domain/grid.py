@@ -1,7 +1,7 @@
 """The grid of cells over the width and one period of the length, its padding along both axes, and sums over its fields.
 
 A field (x, y) has one number for each cell. Work on large fields is done in blocks of rows that fit into the cache of a
-core, is shared between threads, or is left to compiled loops; results do not depend on the number of threads.
+core, is shared between threads, or is left to compiled loops; its results do not depend on the number of threads.
 
 For one axis a padding defines the ``window`` of periods whose pressure acts on a point, and whether the convolution is
 circular (``wraps``, n points) or padded with zeros (2 n points). A line contact is usually unbounded along x and
@@ -497,6 +497,7 @@ def axis_first(field: Array, axis: int) -> Array:
 def edge_fraction(touching: NDArray[np.bool_]) -> float:
     """Return the fraction of the `touching` cells (x, y) with a neighbour that does not touch; zero without any.
 
+    Cells at opposite ends of the grid are neighbours.
     An area counted in whole cells may be the same on several grids and still be wrong by these cells.
     """
     inside = touching.copy()

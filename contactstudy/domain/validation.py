@@ -346,7 +346,7 @@ class Limits:
     Attributes
     ----------
     text
-        Words of a message, behind "a number".
+        Words of a message, behind "a number", or of a whole number in place of it if they begin with a digit.
     hold
         Function that returns whether a number lies within them.
     """
@@ -448,7 +448,7 @@ def valid(name: str, value: Any, hint: Any) -> Any:
         return _one_of(name, value, hint)
     if origin is tuple:
         return _entries(name, value, options, hint)
-    if origin is Mapping:
+    if origin is Mapping:  # no field has another table than one of errors
         return checked_errors(name, value)
     if origin is Literal:
         if not isinstance(value, str) or value not in options:
@@ -495,7 +495,10 @@ def _sizes(value: object) -> str:
 
 
 def _one_of(name: str, value: Any, hint: Any) -> Any:
-    """Return `value` as the first of the annotations that it fits, of a union of them."""
+    """Return `value` as the first of the annotations that it fits, of a union of them.
+
+    Where it fits none, the error is that of the first it was meant for: a text for a unit, several values for a tuple.
+    """
     refused: InvalidInput | None = None
     for option in get_args(hint):
         try:

@@ -180,8 +180,8 @@ def largest_of(*measures: float) -> float:
 def project_capped_simplex(trial: Array, total: float, limit: float) -> Array:
     """Shift a `trial` pressure by one value such that, cut off at 0 and `limit`, it has the sum `total`, in place.
 
-    The sum is piecewise linear in the shift, with a breakpoint where a cell comes into contact and where it reaches
-    `limit`. Source: Held, Wolfe & Crowder (1974), here with an upper limit.
+    The cells must be able to carry the sum. It is piecewise linear in the shift, with a breakpoint where a cell comes
+    into contact and where it reaches `limit`. Source: Held, Wolfe & Crowder (1974), here with an upper limit.
     """
     xp = arrays()
     # counted from the highest cell: where there is pressure, numbers are then of the size of the load
@@ -361,7 +361,7 @@ class Constraint:
             trial *= active
         self.clip(trial)
         loaded, chosen = trial[trial != 0], active > 0
-        # rounding of pressures beyond the load would exceed it
+        # Newton's steps round in units of the largest pressure, which must not be more than the load
         if self.hardness == inf and not (loaded.shape[0] and float(xp.max(loaded)) > total):
 
             def load_above(shift: float) -> tuple[float, float]:

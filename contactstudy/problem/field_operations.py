@@ -146,8 +146,8 @@ class ArrayOperations:
     ) -> bool:  # fmt: skip
         """Add to an active set the cells that enter it after a step, and return whether there are any.
 
-        Cells at a limit enter that should leave it. `active_gap`, the gap of the set, gets theirs. The step changes the
-        gap everywhere by the fraction `step_length` of the `extended` gap.
+        Cells at a limit enter that should leave it. `active_gap`, the gap of the set, gets theirs. The step subtracts
+        from the gap `step_length` times the `extended` one: that of the set, extended to all cells by an `Extension`.
         """
         released = self.constraint.to_release(pressure, height - step_length * extended)
         if not arrays().any(released):
@@ -238,7 +238,10 @@ class ArrayOperations:
 
 
 class CompiledOperations(ArrayOperations):
-    """Compiled loops over fields, for numpy arrays and constraints ``0 <= p <= limit``."""
+    """Compiled loops over fields, for numpy arrays and constraints ``0 <= p <= limit``.
+
+    A loop returns its sums and maxima over each part of the field (`results`, parts), in the order of its docstring.
+    """
 
     def __init__(self, constraint: Constraint, shape: tuple[int, ...], loops: Any) -> None:
         super().__init__(constraint, shape)
@@ -344,7 +347,10 @@ class CompiledOperations(ArrayOperations):
 
 
 class DeviceOperations(CompiledOperations):
-    """Loops of a device that sum over whole fields: the gap, and a projection to the load, are one launch each."""
+    """Loops of a device that sum over whole fields: the gap, and a projection to the load, are one launch each.
+
+    A field is then one part, and a launch returns ``(results, 1)`` in the order of ``loops.cu``.
+    """
 
     def gap(
         self, undeformed: Array, displacement: Array, pressure: Array, height: Array,

@@ -30,7 +30,7 @@ class Extension(Protocol):
         """The active set (x, y): 1 in its cells, 0 elsewhere."""
 
     def __call__(self, displacement: Array) -> Array:
-        """Return the `displacement` extended to all cells, and it may be to more beyond them along each axis."""
+        """Return the `displacement` extended to all cells, in an array that may go on beyond them along each axis."""
 
     def pressure(self, extended: Array) -> Array:
         """Return the pressure (x, y) on the active set that approximately makes the `extended` displacement.
@@ -258,7 +258,7 @@ class DependsOnShear(Protocol):
         """
 
 
-# From the depths (z,) [m] to the residual stress (6, z, x, y) [Pa] of one body there.
+# From the depths (z,) [m] to the residual stress xx, yy, zz, yz, xz, xy (6, z, x, y) [Pa] of one body there.
 ResidualStress = Callable[[Array], Array]
 
 
@@ -412,8 +412,8 @@ class Problem:
 
 # Number of arrays of the grid's size that a solve holds at once: within 0.7 to 1.5 of what was measured.
 SOLVE_FIELDS = 14
-# Number of arrays of the padded grid's size that a solve holds at once: the spectrum and the waves, and on a GPU two
-# more, the work arrays of its transforms.
+# Number of arrays of the padded grid's size that a solve holds at once: the spectrum of its operator and the waves of a
+# field, and on a GPU two more, the work arrays of its transforms.
 TRANSFORM_PAIR, PAIR_AND_WORK = 2, 4
 # Bytes that any machine has free: asking the system takes as long as a solve of some hundred cells.
 FREE_ON_ANY_MACHINE = 2**24

@@ -87,8 +87,8 @@ def plan(
 ) -> Plan:
     """Choose a grid and a padding that solve a scene to a relative error: those on which its solve is expected to end.
 
-    It solves the first grids of the solve itself: of a static contact of up to some ten thousand cells, of other scenes
-    some with fewer cells than the last one, for some seconds at most.
+    It solves a static contact on the first grids of its solve, of up to some ten thousand cells, and other scenes on
+    grids coarser than the planned one, for some seconds at most.
 
     Parameters
     ----------
@@ -376,7 +376,10 @@ class _Request:
         return Level(answer.grid, watch.seconds, answer)
 
     def seconds_on(self, grid: Grid, levels: list[Level]) -> float:
-        """Return the seconds on a `grid` from those of `levels`: linear in the cells, or by a power that two show."""
+        """Return the seconds on a `grid` by the power of the cells that the last two `levels` show, or else linearly.
+
+        They are linear for a static contact too, whose levels each start from the one before.
+        """
         last, cells = levels[-1], prod(grid.cells)
         present = prod(last.grid.cells)
         if len(levels) > 1 and self.planned.first_grids is None:

@@ -610,7 +610,7 @@ def _converter() -> Any:
 
     converter.register_unstructure_hook_func(is_array, lambda values: values)
     converter.register_structure_hook_func(is_array, lambda values, _: values)
-    # a convolution of half the grid counts as a half
+    # counts are structured as they are, not as whole numbers: a convolution of half the grid counts as a half
     converter.register_structure_hook_func(is_counter, lambda values, _: Counter(values))
     converter.register_unstructure_hook(Problem, lambda _: None)
     converter.register_structure_hook(Problem, lambda values, _: values)

@@ -381,7 +381,7 @@ class Method(Generic[S, R]):
     def error(self, before: tuple[S, S], middle: S, after: tuple[S, S]) -> float:
         """Return the relative error of a pair of steps, from the (short, doubled) states before and after it.
 
-        Here it is the largest :attr:`~MarchState.step_error` of its steps.
+        Here it is the largest :attr:`~MarchState.step_error` of its steps, that of the doubled one as of a short one.
         """
         doubled: float = after[1].step_error / 2**self.order
         return max(middle.step_error, after[0].step_error, doubled)

@@ -588,6 +588,7 @@ def time_stepper(
     elastic = replace(scene.under(load.largest), solids=solids, wear=None, friction=friction)
     adhesive_solver = None
     if scene.adhesion is not None and any(map(creeps, scene.solids)):
+        # bodies that have crept have the shortest cohesive zone, which the grid must resolve
         heights, softest = summed_gap(scene.shapes, grid), relaxed(scene.solids, duration)
         adhesive_solver = scene.adhesion.solver_on(elastic, heights, grid, softest)
     problem = elastic.problem(grid, padding, adhesive_solver)

@@ -505,6 +505,7 @@ class FrettingState:
         gained = slope * (after - before)
         if self.compliances_proportional or not in_contact.any() or not gained.any():
             return reference, np.zeros_like(after)
+        # cells in contact stick and take the rest of the sum; those that enter have their traction already
         entering = np.stack([np.where(in_contact, 0.0, gained), np.zeros_like(gained)])
         locked = slip_step(
             self.response,

@@ -12,9 +12,9 @@ all stresses below follow by differentiation and from equilibrium.
 A field that is constant in cells has waves of all lengths. :class:`Waves` longer than two cells are resolved. Short
 waves, those shorter than two cells, represent the edges of cells: each has the values of one resolved wave, its alias,
 at the middles of the cells. They act on the layer of their own strain and on its neighbours: further away they have
-decayed, where layers are about as thick as cells are wide, or thicker. On five layers of 0.7 to 1.4 cells with a smooth
-strain, the stress differs from the closed forms of plane strain and antiplane shear by at most 1.3e-3 of 2 G (the shear
-modulus G) times the largest component of strain.
+decayed, where layers are about as thick as cells are wide, or thicker. On five layers of 0.7 to 1.4 cells, the stress
+by a strain that decays over three cells differs from the closed forms of plane strain and antiplane shear by at most
+1.5e-4 of 2 G (the shear modulus G) times the largest component of strain; by noise from cell to cell, by 1e-2.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -37,7 +37,8 @@ Tensor = tuple[Array, ...]
 # The tensors of plane strain, then sqrt(2) xy and sqrt(2) yz, in terms of xx, yy, zz, yz, xz, xy.
 BASIS = np.vstack((PLANE_STRAIN_BASIS, np.eye(6)[[5, 3]] / 2**0.5))
 # The order of a short wave along an axis is the whole number of periods in a cell that it has more than its alias. Waves
-# up to this order either way are summed one by one, shorter waves together.
+# up to this order either way are summed one by one, shorter waves together. With 1, 2 and 4 the stress of a cell by its
+# own strain is right to 4e-4, 6e-5 and 7e-6 of 2 G times the strain; 1 halves the time of the set-up, 4 triples it.
 SUMMED_ORDERS = 2
 # Depth, in lengths of the longer side of a cell, at which the stress by short waves of pressure has decayed, to
 # exp(-3 pi) = 8e-5 times a few. The surface correction of short waves of strain decays on the way up and down, and has
@@ -185,12 +186,12 @@ def stress_under_shear(top: Array, layer: CellLayer, nu: float, direction: tuple
     """
     m0, m1 = _means_below(top, layer)
     c, s = direction
-    across = -s * m0
-    return c * (2 * m0 - m1), (2 * nu) * c * m0, c * m1, c * (m0 - m1), across, across
+    antiplane = -s * m0
+    return c * (2 * m0 - m1), (2 * nu) * c * m0, c * m1, c * (m0 - m1), antiplane, antiplane
 
 
 class Components(Enum):
-    """Set of components of stress to compute; its value are their rows in terms of xx, yy, zz, yz, xz, xy."""
+    """Set of components of stress to compute; its value is a row for each, in terms of xx, yy, zz, yz, xz, xy."""
 
     #: The components of a deviator in `BASIS`: inner products, in which a shear stands for two entries of a tensor.
     DEVIATOR = tuple(map(tuple, BASIS * (1, 1, 1, 2, 2, 2)))
@@ -209,7 +210,7 @@ class Components(Enum):
 
 @dataclass(frozen=True, eq=False)
 class WaveDirection:
-    """Wave number `q` [1/m] and direction (`c`, `s`) of waves, each (waves,).
+    """Wave number `q` [1/m] and direction (`c`, `s`) of waves, each (waves,), or (1,) where all have the same.
 
     `weight` is the fraction of a wave that the mean over a cell leaves, for strain and for stress together.
     """
@@ -250,7 +251,7 @@ class Waves:
     orders
         Numbers of periods of the waves in the length of the grid (orders,), above 0.
     period
-        Period across, an odd number of cells.
+        Period across, an odd number of cells: an even one has a wave whose direction across is undefined.
     """
 
     volume: Volume
@@ -259,7 +260,10 @@ class Waves:
     period: int
 
     def stress(self, strain: Complex, components: Components) -> Complex:
-        """Return the mean stress [Pa] of cells (components, layers, period, orders) by `strain` (5, layers, ...)."""
+        """Return the mean stress [Pa] of cells (components, layers, period, orders) by a `strain`.
+
+        The `strain` is (5, layers, period, orders).
+        """
         e = _real(strain)
         direction, edges = self._resolved, self.volume.edges
         sources = Sources.from_strain(direction.strain(e), self.moduli)
@@ -333,8 +337,9 @@ class Waves:
         """The short waves of the first `SUMMED_ORDERS`, then waves that represent all shorter ones together.
 
         The weights ``sinc^2`` of all waves of one alias along an axis, the resolved one among them, add up to 1. What
-        the first orders leave of 1 is the weight of the shorter ones, which point along the axis either way. Waves that
-        are shorter than the first orders along both axes count as waves across.
+        the first orders leave of 1 is the weight of the shorter ones, which point along the axis either way. Weighted
+        like ``1 / q^2``, their mean length is half of the longest. Waves that are shorter than the first orders along
+        both axes count as waves across.
         """
         orders = range(-SUMMED_ORDERS, SUMMED_ORDERS + 1)
         directions = [self._shifted(*shift) for shift in product(orders, repeat=2) if any(shift)]
@@ -377,6 +382,7 @@ class Waves:
 
         @cache
         def blocks(top: float, thicknesses: tuple[float, ...]) -> Array:
+            """Return the stress (components, layers, layers, 5, waves) [Pa] in adjacent layers by unit strains."""
             total = sum(self._stress_of_unit_strains(direction, top, thicknesses) for direction in self._short)
             return np.tensordot(components.matrix, total, 1)
 

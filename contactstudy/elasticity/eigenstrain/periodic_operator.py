@@ -1,4 +1,4 @@
-"""Stress by plastic strain that varies along the length, a period, and is in a volume of cells across, an infinite axis.
+"""Stress by plastic strain that varies along the length, where all repeats, below a surface that is infinite across.
 
 The mean along the length is plane strain and antiplane shear. Antiplane shear, the stress xy and yz by plastic strain
 that does not vary along y, has closed forms: means over cells of second derivatives of the Green's function of the
@@ -48,7 +48,10 @@ def antiplane_convolution(volume: Volume, moduli: Moduli) -> LayerConvolution:
     x = np.arange(-1.0, volume.shape[1] + 1)
 
     def means(z: Array) -> Array:
-        """Return means of xz and zz (2, layers of stress, layers of strain, x) for depths `z` between the edges."""
+        """Return means of xz and zz (2, layers of stress, layers of strain, x).
+
+        `z` is the depth of the edges of the stress (first axis) less or plus that of the edges of the strain.
+        """
         change = np.diff(np.diff(np.diff(_integrals(x, z), axis=1), axis=2), n=2)
         return change / (2 * np.pi * np.diff(edges)[:, None, None])
 
@@ -67,14 +70,16 @@ def _integrals(x: Array, z: Array) -> Array:
     """
     squared = x * x + z * z
     log = log_distance(squared)
-    by_x = np.sign(x) * np.arctan2(z, np.abs(x))
-    by_z = np.sign(z) * np.arctan2(x, np.abs(z))
-    xz, zz = x * z * log + (z * z * by_z + x * x * by_x) / 2, (x * x - z * z) * log / 2 + x * z * by_z
+    # angles from the x axis and from the z axis, of the same sign as x z
+    from_x = np.sign(x) * np.arctan2(z, np.abs(x))
+    from_z = np.sign(z) * np.arctan2(x, np.abs(z))
+    xz, zz = x * z * log + (z * z * from_z + x * x * from_x) / 2, (x * x - z * z) * log / 2 + x * z * from_z
     return np.stack((xz, zz))
 
 
 # A wave with wave number k along the length decays across like exp(-k |x|). The period across is so long that its
-# repeated image has at most this fraction of it, less than the tolerance of any contact.
+# repeated image has at most this fraction of it. With 1e-4 or 1e-14 the stress by a smooth strain changes by 2e-9 of its
+# largest, but by noise from cell to cell by 2e-4: what short waves make at edges of cells decays like 1 / period.
 WRAP = 1e-8
 # Number of complex values of one component of a field up to which waves are transformed together: half a megabyte, which
 # stays in the cache of a core.

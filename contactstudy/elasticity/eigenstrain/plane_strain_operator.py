@@ -199,14 +199,14 @@ def _direct_terms(x: Array, z: Array) -> tuple[Array, ...]:
     squared = x * x + z * z
     log = log_distance(squared)
     # angles from the z axis and from the x axis, of the same sign as x z
-    by_z = np.sign(z) * np.arctan2(x, np.abs(z))
-    by_x = np.sign(x) * np.arctan2(z, np.abs(x))
+    from_z = np.sign(z) * np.arctan2(x, np.abs(z))
+    from_x = np.sign(x) * np.arctan2(z, np.abs(x))
     return (
-        (z * z - 3 * x * x) * log + 4 * x * z * by_x,
-        2 * x * (z * log + x * by_x),
+        (z * z - 3 * x * x) * log + 4 * x * z * from_x,
+        2 * x * (z * log + x * from_x),
         squared * log,
-        2 * z * (x * log + z * by_z),
-        (x * x - 3 * z * z) * log + 4 * x * z * by_z,
+        2 * z * (x * log + z * from_z),
+        (x * x - 3 * z * z) * log + 4 * x * z * from_z,
     )
 
 
@@ -221,12 +221,12 @@ def _product_terms(x: Array, z: float, source: Array) -> dict[tuple[int, int], A
     log = np.log(np.where(w == 0, 1.0, w))
     # ln w, integrated zero, one and two times
     log_integrals = log, w * (log - 1), w * w / 2 * (log - 1.5)
-    by_x = [[(1j**order * integral).real for integral in log_integrals] for order in range(4)]
+    derivatives_by_x = [[(1j**order * integral).real for integral in log_integrals] for order in range(4)]
     derivatives = {}
     for m, n in np.ndindex(3, 3):
         # Leibniz' rule for the orders s and t of z and z', which holds for -1 too
         s, t = m - 1, n - 1
-        log_r, once, twice = by_x[(-s - t) % 4]
+        log_r, once, twice = derivatives_by_x[(-s - t) % 4]
         derivatives[m, n] = z * source * log_r + (s * source + t * z) * once + s * t * twice
     return derivatives
 
@@ -253,9 +253,10 @@ def shear_on_half_line(x: Array, edges: Array) -> Array:
     ``xx + zz = -2 x / (pi r^2)`` below a line of force.
     """
     z, squared, log, angle = _polar(x, edges)
-    by_x = np.sign(x) * np.arctan2(z, np.abs(x))
+    # the angle from the x axis
+    from_x = np.sign(x) * np.arctan2(z, np.abs(x))
     zz = (squared * angle + x * z) / (2 * np.pi)
-    trace = -2 / np.pi * (x * z * log + (z * z * angle + x * x * by_x) / 2)
+    trace = -2 / np.pi * (x * z * log + (z * z * angle + x * x * from_x) / 2)
     return _means(edges, trace - zz, zz, (z * z * log - x * z * angle) / np.pi)
 
 
@@ -282,7 +283,8 @@ class LayerConvolution:
     """Convolution across of fields (component, layer, x), wave by wave with a real matrix between all layers.
 
     The effect of one component on another is even in x, or odd where one of the two changes its sign with x. Waves of
-    such components are multiplied by -i, and all matrices are real. Transforms are padded so that nothing wraps around.
+    components that change it are multiplied by -i: all matrices are then real. Transforms are padded so that nothing
+    wraps around.
 
     Attributes
     ----------
@@ -487,7 +489,7 @@ class OuterStrain:
         return self.operator.tensor(-self._negative_residual(left, right), 0.0)
 
     def residual_displacement(self, left: Array, right: Array) -> Array:
-        """Return the surface displacement (x, 1) [m] into the body; the volume has all cells of the grid across."""
+        """Return the surface displacement (x, 1) [m] into the body, for a volume of all cells of the grid across."""
         by_left, by_right = np.einsum("sal,alx->sx", self._seen_from_inside(left, right), self._surface_displacements)
         return np.asarray((by_left + by_right[::-1])[:, None])
 
@@ -516,8 +518,8 @@ class OuterStrain:
     def _surface_displacements(self) -> Array:
         """Displacement (3, layers, x) into the body by unit in-plane strain in all cells on the left [m].
 
-        By reciprocity it is the stress in those cells by unit pressure on a cell at x. Under pressure on all of the
-        surface, xx = zz = -1.
+        By reciprocity it is the stress in those cells by unit pressure on a cell at x: that in the first of them by
+        pressure on all cells from x on. Under pressure on all of the surface, xx = zz = -1.
         """
         operator = self.operator
         half_line = pressure_on_half_line(np.arange(operator.volume.grid.cells[0] + 1.0), operator.edges_in_cells)

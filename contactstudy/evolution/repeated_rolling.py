@@ -141,9 +141,9 @@ class RollingPass:
         distance of little more than a width of the grid or less, and YIELD_AT_EDGE where yield reaches the left or
         right edge of the moving grid.
     steps
-        Number of steps.
+        Number of steps; in the first pass with the one that applies the load.
     iterations
-        Iterations of Newton's method in all steps.
+        Iterations of Newton's method in these steps.
     """
 
     profile: Array
@@ -236,8 +236,8 @@ class RepeatedRolling:
     def forward_displacement(self) -> Array:
         """Distance (pass,) [m] by which each pass moves the surface over deep material, against the direction of travel.
 
-        The integral of :attr:`shear_strain_increment` over depth. On a disc that turns below a contact that stays in
-        place, it is forwards (Crook 1957, Proc. Inst. Mech. Eng. 171).
+        It is the integral of :attr:`shear_strain_increment` over depth. On a disc that turns below a contact that stays
+        in place, it is forwards (Crook 1957, Proc. Inst. Mech. Eng. 171).
         """
         return self.shear_strain_increment @ self.track.operator.volume.thicknesses
 
@@ -282,7 +282,8 @@ class RepeatedRolling:
 # Depth of the first layers, in length scales of the contact, such as its half-width: Hertz's contact yields first at 0.7
 # of it. More are added where the last one yields, so that this changes the time alone.
 INITIAL_DEPTH = 2.0
-# The longest pass, in widths of the moving grid. The mean strain behind forgets that before to exp(-40) in it.
+# The longest pass, in widths of the moving grid. The mean strain behind forgets that before it to
+# exp(-20 AVERAGES_PER_WIDTH) = exp(-40).
 MAX_PASS_WIDTHS = 20
 
 

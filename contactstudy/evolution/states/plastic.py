@@ -43,7 +43,7 @@ GROWTH = 0.3
 
 
 def layers(grid: Grid, length: float, depth: float) -> tuple[float, ...]:
-    """Return the depths [m] of the edges of layers from 0 to at least `depth`, and of one more layer.
+    """Return the depths [m] of the edges of layers from 0 to at least `depth`, and of one more with its middle below it.
 
     A layer is as thick as a cell is wide down to the depth `length`, twice that down to ``3 length``, four times that
     down to ``7 length``, and so on, so that errors of layers and of cells fall alike and an operator is made once for
@@ -150,7 +150,8 @@ class PlasticState:
     load follows it. A :data:`State` has, for the body with the index i in ``Scene.solids``, ``plastic<i>``: the C
     components of plastic strain in the basis of its operator, then the equivalent one, (C + 1, layers, x, y);
     ``first<i>``, the first cell across of its volume; and ``edges<i>`` [m], the depths between its layers. ``flow`` (1,)
-    [m^3] is the equivalent plastic strain, summed over cells, since the last step without plastic flow.
+    [m^3] is the increase of the equivalent plastic strain since the last step without plastic flow, integrated over the
+    volumes of all bodies.
 
     Attributes
     ----------
@@ -218,13 +219,13 @@ class PlasticState:
         while True:
             # the volumes of either state may be larger than those of the other
             self._in_volumes(state)
-            start, now = self._in_volumes(begin), self._in_volumes(state)
+            guessed, initial = self._in_volumes(begin), self._in_volumes(state)
             bodies = YieldingBodies(tuple(self.operators), tuple(body.hardening for body in self.bodies))
-            before = bodies.concatenated(now)
+            before = bodies.concatenated(initial)
             solve_under = partial(
                 solve_elastoplastic_step, bodies, contact,
                 partial(contact_tangent, precision=self.precision),
-                before[:-1], before[-1], tolerance, guess=bodies.concatenated(start)[:-1],
+                before[:-1], before[-1], tolerance, guess=bodies.concatenated(guessed)[:-1],
             )  # fmt: skip
             adhesive_stress = 0.0 if attraction is None else bodies.stress_of_pressure(-attraction)
             step = self._solve_with_friction(bodies, first, adhesive_stress, solve_under, tolerance)
@@ -258,7 +259,8 @@ class PlasticState:
         for body, operator, friction in parts:
             stress = operator.stress_of_pressure(pressure) + friction
             exceeds = 1.5 * (stress**2).sum(axis=0) > (NEAR_YIELD * body.hardening.yield_stress) ** 2
-            # a body that flows keeps the stress of a load far beyond yield from so great depths
+            # far beyond yield this elastic stress reaches deeper than flow does, which spreads the pressure: what lies
+            # deeper than the grid is wide does not count
             nearly_yields.append(exceeds & (operator.volume.depths[:, None, None] < operator.volume.grid.extent[0]))
         return nearly_yields
 
@@ -345,7 +347,10 @@ class PlasticState:
         return None
 
     def _across_grid(self, number: int, deepest: float = 0.0) -> EigenstrainOperator:
-        """Return the operator of a body across the whole grid, down to its plastic strain and to a depth [m]."""
+        """Return the operator of ``bodies[number]`` across the whole grid.
+
+        It reaches down to the lowest layer of the body's volume, and to the depth `deepest` [m] at least.
+        """
         yielding = self.operators[number].volume
         grid = yielding.grid
         edges = max(yielding.edges, layers(grid, self._length, deepest), key=len)
@@ -359,8 +364,8 @@ class PlasticState:
     def over_time(self, states: Sequence[State]) -> Mapping[str, Field]:
         """Return strain and residual stress of each body over (time, component, z, x, y), across the whole grid.
 
-        The depths are called ``z``; with two yielding bodies or outputs of the scene, ``z_0`` and ``z_1`` after the
-        bodies.
+        The depths are called ``z``; with two yielding bodies, ``z_0`` and ``z_1`` after their places in
+        ``Scene.solids``. So they are with outputs of the scene, as stress below the surface: these have depths ``z``.
         """
         for state in states:
             self._in_volumes(state)  # volumes grow to hold every state

@@ -103,18 +103,18 @@ class CoatingCoefficients(WaveCoefficients):
     @property
     def _contrast(self) -> float:
         """Factor of ``-ln(x^2 + 4 h^2)`` in the displacement at a distance x from a line, with the thickness h."""
-        pressed, along, _, across = self.waves.materials.contrasts
-        return {"xx": along, "yy": across, "z": pressed}.get(self.name, 0.0)
+        pressed, along_wave, _, along_crests = self.waves.materials.contrasts
+        return {"xx": along_wave, "yy": along_crests, "z": pressed}.get(self.name, 0.0)
 
     def rigid_shift(self, line: float) -> float:
         """Return what the datum adds to the response to a row of images, each with the area `line` times the period.
 
-        The surface does not move at the datum under a load on a line. Fields that vanish far away have no datum: 0.
+        The surface does not move at the datum under a load on a line. Fields that are odd along an axis have none: 0.
         """
         if self.name not in ("xx", "yy", "z"):
             return 0.0
-        short = field_of_line(self.waves).at(self.name, self.datum / self.thickness)
-        return line * (self._contrast * log(self.datum**2 + 4 * self.thickness**2) - short)
+        remainder = field_of_line(self.waves).at(self.name, self.datum / self.thickness)
+        return line * (self._contrast * log(self.datum**2 + 4 * self.thickness**2) - remainder)
 
 
 def _log_mean(x: Array, half: float, depth: float) -> Array:

@@ -98,7 +98,8 @@ class BoussinesqCoefficients:
 
 
 # Datum of a body with free faces over its length. The loads on it are mirrored about both faces, in a row without end.
-# With this datum the loads beyond the two neighbouring images together do not displace the middle of the body.
+# With a datum of ``2 exp(1 - 0.577) = 3.05`` lengths, here rounded (0.577 is Euler's constant), the loads beyond the two
+# neighbouring images together do not displace the middle of the body.
 DATUM_OVER_LENGTH = 3.0
 
 
@@ -387,7 +388,7 @@ class GeneralConvolution:
     padded: tuple[int, int]
 
     def scaled(self, factors: float | ComplexField) -> "GeneralConvolution":
-        """Return the convolution whose waves are multiplied by `factors`."""
+        """Return the convolution whose waves are multiplied by `factors`, which broadcast over the spectrum."""
         return replace(self, spectrum=self.spectrum * factors)
 
     def __call__(self, field: Array) -> Array:

@@ -1,8 +1,8 @@
 """Operators from tangential traction on the surface to displacement along the surface, and along the normal.
 
 Fields have two components, across (x) and along (y). Displacement along the surface comes from a symmetric operator of
-both, :class:`ShearResponse`. Displacement along the normal is odd along the traction; that of two bodies changes the
-gap where they are unlike (:func:`normal_displacement`). Without friction nothing here is used.
+both, :class:`ShearResponse`. Displacement along the normal, positive into the body, is odd along the traction; that of
+two bodies changes the gap where they are unlike (:func:`normal_displacement`). Without friction nothing here is used.
 """
 
 from collections.abc import Iterable, Mapping
@@ -70,6 +70,7 @@ class CerrutiCoefficients:
     def lattice(self, x: Array, y: Array, dx: float, dy: float, width: float, period: float) -> Array:
         """Return the field of an infinite lattice of images along both axes; x is a column, y a row."""
         cell = dx, dy, width, period
+        # the kernels have no "yy", and exchange the axes where the period exceeds the width, which makes "xx" one
         if self.name == "yy" or (self.name == "xx" and period > width):
             if self.name == "yy" and period > width:
                 swapped = y.reshape(-1, 1), x.reshape(1, -1)
@@ -129,7 +130,7 @@ class ShearResponse:
         return np.stack([TRANSFORMS.backward(waves, cells, padded) for waves in (across, x)])
 
     def scaled(self, factors: float | ComplexField) -> "ShearResponse":
-        """Return the response whose waves, each of all components, are multiplied by `factors`."""
+        """Return the response whose waves are multiplied by `factors`, which broadcast over the spectra."""
         return ShearResponse(*(part.scaled(factors) for part in (self.xx, self.yy, self.xy)))
 
     @property
@@ -180,7 +181,7 @@ def shear_response(bodies: Iterable[ShearableBody], grid: Grid, paddings: Paddin
 def normal_displacement(
     first: ShearableBody, second: ShearableBody, axes: str, grid: Grid, paddings: Paddings, datum: float
 ) -> list[GeneralConvolution]:
-    """Return the convolution from traction along each of the `axes` to the change of the gap, or [] for similar bodies.
+    """Return the convolution from traction along each of the `axes` to the gap that it adds, or [] for similar bodies.
 
     `axes` is a text such as "x" or "xy"; the traction is that on the first body. Both bodies move alike under it where
     their coefficients have the same weights: they are elastically similar.

@@ -117,6 +117,7 @@ class Ducc(Transforms):
     def backward(self, waves: ComplexField, cells: Cells, padded: Cells) -> Array:
         """Return the field with the Fourier coefficients `waves`: along x, then along y on the rows of the field."""
         count = self._threads(waves.size)
+        # inorm=2: ducc0 divides by the number of points
         self._fft.c2c(waves, axes=(0,), forward=False, inorm=2, out=waves, nthreads=count)
         rows = waves[: cells[0]]
         if padded[1] == 1:
@@ -194,6 +195,7 @@ def _plan(kind: str, shape: tuple[int, ...], batch: int, *, by_row: bool) -> Any
     library = cufft()
     waves = (*shape[:-1], shape[-1] // 2 + 1)
     into, out = (shape if numbers in "RD" else waves for numbers in (kind[0], kind[2]))
+    # of the input, then of the output: its shape, the distance of neighbours along the last axis, and that of fields
     layout = (into, 1, prod(into), out, 1, prod(out)) if by_row else (shape, batch, 1, shape, batch, 1)
     code = getattr(library, f"CUFFT_{kind}")
     return library.PlanNd(shape, *layout, code, batch, "C", len(shape) - 1, None)
@@ -241,7 +243,7 @@ class CuFft(Transforms):
         return coefficients
 
     def backward(self, waves: ComplexField, cells: Cells, padded: Cells) -> Array:
-        """Return the first (nx, ny) cells of the field with the Fourier coefficients `waves`, which is overwritten."""
+        """Return px py times the first (nx, ny) cells of the field with the coefficients `waves`, overwriting them."""
         (nx, ny), (px, py), kinds = cells, padded, kinds_of(waves)
         columns = _plan(kinds.complex_to_complex, (px,), py // 2 + 1, by_row=False)
         columns.fft(waves, waves, INVERSE)
@@ -251,6 +253,7 @@ class CuFft(Transforms):
 
 
 STANDARD, CUFFT = Transforms(), CuFft()
+# Transforms of numpy arrays, whatever the device in use.
 TRANSFORMS = Ducc() if find_spec("ducc0") else STANDARD
 
 

@@ -85,6 +85,7 @@ def creep_from_relaxation(equilibrium_modulus: float, relaxation: tuple[tuple[fl
         low, high = rates[:-1], rates[1:]
     else:
         fluidity = 0.0
+        # so far below the first rate 1 / tau_1 that E(-z) >= 0: z / (1 / tau_i - z) <= 2 z tau_1 <= E_inf / sum E_i
         slowest = rates[:1] * min(0.5, equilibrium_modulus / (2 * moduli.sum())) if rates.size else rates
         low, high = np.concatenate([slowest, rates[:-1]]), rates
     zeros = _zeros(equilibrium_modulus, moduli, rates, low.copy(), high.copy())
@@ -101,6 +102,7 @@ def _zeros(equilibrium_modulus: float, moduli: Array, rates: Array, low: Array, 
     """
     for _ in range(BISECTIONS):
         middle = np.sqrt(low) * np.sqrt(high)
+        # between the ends, which may be poles
         middle = np.clip(middle, np.nextafter(low, high), np.nextafter(high, low))
         value = equilibrium_modulus + (moduli * middle[:, None] / (middle[:, None] - rates)).sum(axis=1)
         low, high = np.where(value > 0, middle, low), np.where(value > 0, high, middle)
@@ -205,6 +207,7 @@ def retarded(response: Mapping[Coefficients, float], distance: float) -> Mapping
     parts: dict[Coefficients, float] = {}
     for inner, weight in response.items():
         for sign in (1, -1):
+            # V of the opposite motion is V(-x) times the parity of K: the odd part changes its sign
             turned = sign * inner.parity[0] if distance < 0 else 1
             parts[RetardedCoefficients(inner, abs(distance), sign)] = turned * weight
     return parts
@@ -232,6 +235,7 @@ def _periodic_axis(
     half = (count + 1) // 2
     onward, backward = _panels(kernel, half, step, length)
     panels = np.concatenate([onward, parity * backward[: count - half][::-1]])[::-1]
+    # V at 0 is the integral over one period, and over all others, each exp(-period / length) times the one before
     first = _decaying_sums(panels, step / length)[-1:] / -np.expm1(-period / length)
     around = _decaying_sums(np.concatenate([first, panels]), step / length)[:0:-1]
     index = np.round(x / step).astype(int) % count

@@ -124,10 +124,10 @@ def solve_contact(
     precision = Precision(options.precision)
     if not isinstance(device, Cpu):
         checked(device, "solve.device")
-        if not isinstance(problem.operator, Convolution) or type(problem.constraint) is not Constraint:
+        if type(problem.operator) is not Convolution or type(problem.constraint) is not Constraint:
             raise InvalidInput(
-                f"solve.device is {device!r}: an operator or a constraint of your own works on numpy arrays, give "
-                "Cpu()."
+                f"solve.device is {device!r}: solids with free_faces, and an operator or a constraint of your own, "
+                "work on numpy arrays, give Cpu()."
             )
     refuse_too_large(problem.grid, problem.operator.transform_size, device, precision)
     if start is not None:

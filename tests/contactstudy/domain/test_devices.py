@@ -167,6 +167,14 @@ def test_what_the_device_has_no_room_for_is_refused(line_contact: LineContact, m
     cs.solve(posed, device=STRICT, precision="single")
 
 
+def test_free_faces_are_refused() -> None:
+    free = cs.HalfSpace(2.1e11, 0.3, free_faces=2e-3)
+    scene = cs.Scene(cs.TotalLoad(100.0), (free, cs.HalfSpace(2.1e11, 0.3)), (cs.Cylinder(0.01),))
+    posed = scene.problem(cs.Grid((8, 8), (1e-3, 2e-3)), (cs.ZeroPadding(), cs.ZeroPadding()))
+    with pytest.raises(cs.InvalidInput, match="free_faces"):
+        cs.solve(posed, device=STRICT)
+
+
 class NoDriverError(Exception):
     pass
 

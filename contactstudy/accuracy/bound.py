@@ -30,10 +30,10 @@ from contactstudy.scene.shapes.shape import unresolved
 from contactstudy.solvers.solution import Solution
 
 # Least number of cells across in the thickness of a layer with which the edges of its contact follow the law of those
-# of a half-space: on fewer their places by two pairs of cells were off by up to 0.2 cells where they agreed by chance.
+# of a half-space: on fewer, the places of an edge by two pairs of cells agreed by chance, both off by up to 0.2 cells.
 CELLS_IN_LAYER = 3.0
 # A peak pressure in one of the two cells at an edge belongs to that edge if the opposite one is this many times as far:
-# it is 3 from the second of five cells, the middle of whose contact is smooth.
+# for the second cell in contacts of eight cells and more, since in narrower ones a smooth maximum may lie there.
 OPPOSITE = 4
 SHARP_EDGE = "a sharp edge or corner"
 UNKNOWN_HEIGHTS = (
@@ -50,9 +50,10 @@ PROTRUDING = (
 
 
 # Ratio of the hidden fraction of the load to the error of smooth edges below which no coarser solution is needed:
-# hidden heights then add less than the edges, whose law is a bound by some times.
+# hidden heights then add less than the edges, whose error by their law is some times the true one.
 SMOOTH_RATIO = 0.25
-# Largest error in L1 over the hidden fraction of the load, see :class:`HiddenEffect`.
+# Largest error in L1 over the hidden fraction of the load, see :class:`HiddenEffect`: at most 0.66 in 180 rough line
+# contacts on 32 to 128 cells in which that fraction is larger than the error of the edges.
 HIDDEN_ERROR = 0.8
 # Largest error of the area over the fraction of it that may open: at most 0.2 in 25 rough contacts, of which four times
 # as much is taken, since openings are not bounded by anything else.
@@ -60,8 +61,8 @@ HIDDEN_AREA = 0.8
 # Largest relative L1 difference of two pressures of one load, that of contacts without a common point.
 MAX_L1 = 2.0
 # Error of the load at a given approach over the L1 error due to the edges or the hidden fraction of the load: at most
-# 0.27 of the former on 288 smooth line contacts of 10 to 255 cells across the width, whose datum was half the width of
-# the grid or more.
+# 0.27 of the former on 288 smooth line contacts of 10 to 255 cells across the width, whose approach counted from a
+# point half the width of the grid away, or farther.
 LOAD_ERROR = 0.3
 # Fraction of the largest sum of pressure and attraction up to which heights below an attraction do not count: its tail
 # covers most of the grid, where hidden heights change it little.
@@ -79,25 +80,23 @@ PEAK_BY_SHEAR = 0.6
 # half-widths have it there on 6 to 48 cells along; where a profile relieves the end, the pressure at it falls below a
 # half as the cells become finer.
 END_OVER_PEAK = 0.5
-# Pressure at free faces over that in the next cell, up to which it falls towards them on finer cells too.
+# Pressure at free faces over that in the next cell, up to which it counts as falling on finer cells too: at the ends of
+# Lundberg profiles on 24 to 192 cells along it did; at those of one crown it rose from 0.85, at 0.6 of the peak.
 FALLING_END = 0.9
-# Errors in the end cells of a roller, of which with both bounds were 1.9 to 2.3 times the errors of 16 sharp rollers
-# that fit their cells, and 1.1 to 10 times those of 41 that do not. END_RISE is the error over the rise of the end
-# cells above the next ones, in cells as long as the half-width. END_LENGTH is that over the pressure on the length by
-# which the cells make an end too long or too short: 2, as that pressure lies elsewhere, and as much again for what it
-# moves.
+# Errors in the end cells of a roller. END_RISE is the error over the rise of the end cells above the next ones, in cells
+# as long as the half-width. END_LENGTH is the error over the pressure on the length by which the cells make an end too
+# long or too short: 2, as that pressure lies elsewhere, and as much again for what it moves. With both, bounds were 1.9
+# to 2.3 times the errors of 16 sharp rollers that fit their cells, and 1.1 to 10 times those of 41 that do not.
 END_RISE, END_LENGTH = 0.5, 4.0
-# Largest cell over the thickness of a coating with which the grid resolves the shear stress at its interface.
-CELL_AT_INTERFACE = 0.5
 
 
 def discretisation_bound(
     solution: Solution, coarse: Solution | None, heights: HiddenHeights | None
 ) -> DiscretisationErrors:
-    """Return the errors of `solution` due to its cells; without adhesion of the area what no other grid shows.
+    """Return the errors of `solution` due to its cells.
 
-    Parameters are those of :func:`~contactstudy.accuracy.estimate.error_estimate`. The error of the load is None where
-    it is given.
+    Without adhesion the error of the area is only what no other grid shows. That of the load is None where the load is
+    given. Parameters are those of :func:`~contactstudy.accuracy.estimate.error_estimate`.
     """
     problem = solution.problem
     pressure = solution.pressure[around_contact(solution.pressure)]
@@ -322,7 +321,7 @@ def _no_peak(solution: Solution, inside: HiddenEffect) -> str:
 
 
 def _at_hardness(solution: Solution) -> bool:
-    """Return whether the peak pressure is the limit of a hardness, which finer cells have too."""
+    """Return whether the peak pressure is a hardness, which it is on finer cells too: its cell is then not active."""
     ix, iy = np.unravel_index(np.argmax(solution.pressure), solution.pressure.shape)
     active = solution.problem.constraint.active(solution.pressure[ix : ix + 1])
     return bool(active[0, iy] == 0)
@@ -350,8 +349,8 @@ def _at_sharp_end(problem: Problem, pressure: Array) -> bool:
 def has_isolated_cells(solution: Solution) -> bool:
     """Return whether fewer neighbouring cells are in contact than a bound of the peak pressure needs.
 
-    It needs two along each axis, and three under a given load, where the peak of two cells may be any multiple of their
-    pressure.
+    It needs two along each axis, and three under a given load: the true peak above two cells may be any multiple of
+    their pressure.
     """
     return not _has_run_in_contact(solution.pressure, 3 if _load_is_fixed(solution) else 2)
 

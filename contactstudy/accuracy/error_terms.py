@@ -80,6 +80,7 @@ def image_errors(pressure: Array, grid: Grid, paddings: Paddings, margin: float 
         period, positions, others = grid.extent[1], grid.x, grid.y
     ends = margin > 1
     reaches_ends = not ends and _reaches_ends(pressure)
+    # zeros about a contact that ends within the length leave nothing out
     free = not (hasattr(along, "images") or along.wraps or reaches_ends)
     if along.window is None or (free and len(along.window) == 1):
         return 0.0, 0.0
@@ -115,13 +116,13 @@ def _narrowing(half_width: float, period: float, cells: int, along: Padding) -> 
     return float(np.sqrt(1 + half_width**2 * inverse_square / 4) - 1)
 
 
-def _kink(ratio: float, window: int, cells: int) -> Array:
+def _kink(ratio: float, periods: int, cells: int) -> Array:
     """Return the factor (y,) by which the pressure rises towards the ends of a window centred on the domain.
 
-    The `ratio` is that of half-width and period, and the `window` has that many periods of some `cells` each.
+    The `ratio` is that of half-width and period. The window has this number of `periods`, of some `cells` each.
     """
     odd = 2 * np.minimum(np.arange(cells), np.arange(cells)[::-1]) + 1
-    return np.asarray(1 + 2 / np.pi * ratio * np.log(cells / odd) / window**2)
+    return np.asarray(1 + 2 / np.pi * ratio * np.log(cells / odd) / periods**2)
 
 
 def _end_errors(pressure: Array, along: Padding, ratio: float) -> tuple[float, float]:
@@ -195,7 +196,8 @@ def residual_errors(solution: Solution, change: float = 0.0) -> ResidualErrors:
     inverse = operator.approximate_inverse(Precision.SINGLE if pressure.size >= MIN_COMPILED_CELLS else None)
     cells = solution.problem.constraint.active(pressure).astype(inverse.real, copy=False)
     correction, level = (gap / scales.gap).astype(cells.dtype) * cells, 0.0
-    # the active set, in which a gap is an error, is empty where all pressures are at a limit
+    # the active set, in which a gap is an error, is empty where all pressures are at a limit; the mean of the correction
+    # is left out, as it changes the load
     if count := np.count_nonzero(cells):
         extension = inverse.extension(cells)
         correction = extension.pressure(extension(correction))
@@ -222,8 +224,8 @@ def residual_errors(solution: Solution, change: float = 0.0) -> ResidualErrors:
     lost = min(np.finfo(float).eps * largest_gap / scales.gap, solution.residual)
     l1 += INVERSE_MARGIN * float(lost / compliance * scales.pressure * count / load)
     if solution.problem.control.approach is not None:
-        # the inverse leaves a uniform gap out, which changes the load: by at least a multiple of this pressure, as that
-        # has not the least energy of all with the same mean displacement
+        # the inverse leaves a uniform gap out, which changes the load: at least by the multiple of this pressure whose
+        # work on its displacement is that on the gap; a flat punch's pressure, of the least energy, needs more
         displacement = inner(pressure, solution.problem.operator(pressure))
         l1 += INVERSE_MARGIN * abs(inner(pressure, gap)) / displacement
     # the peak may be in another cell; the inverse, which takes both axes for periodic, is more accurate for the sum
@@ -248,6 +250,7 @@ RANGE_MARGIN = 1.25
 # cylinders, from near pull-off to loads of many times it, on 152 to 2432 cells. Of other shapes no limit is known, and
 # four times that is taken.
 PEAK_BY_RANGE = 0.25
+# Of contacts that change in time, used where these are evolved and answered.
 NO_BOUND_OF_STATES = "No bound: this error is not estimated in a contact that has crept, worn or yielded."
 NO_LIMIT = (
     "No bound: in the JKR limit the repulsive part of the pressure and the attraction grow without limit, give "
@@ -341,10 +344,10 @@ def range_warning(solution: Solution) -> tuple[str, ...]:
 
 
 def pull_off_error(solution: Solution, load: ErrorParts) -> ErrorParts:
-    """Return the relative error of the pull-off load of `solution`, by that of a `load` as the result of a solve.
+    """Return the relative error of the pull-off load of `solution`, by the error of its `load` as of any solve.
 
-    Images left out count as in that. The cells add what they trap, and the residual is the distance between the last
-    load in equilibrium and the first one without.
+    Images left out count as in that of the load. The cells add what they trap, and the residual is the distance between
+    the last load in equilibrium and the first one without.
     """
     adhesion, pull_off = solution.adhesion, solution.load_per_length
     assert adhesion is not None

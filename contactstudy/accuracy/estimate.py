@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from contactstudy.accuracy.bound import (
-    CELL_AT_INTERFACE,
     acting_force,
     discretisation_bound,
     dundurs_of_shear,
@@ -69,6 +68,8 @@ STRESS_BY_JUMP = 0.8
 # which tell little of a gap that is nearly closed: on waves of 16 to 96 cells, under 0.9 to 0.99 of the load that
 # closes them, the error was at most 0.1 of this measure, and under less load up to 0.2, which the changes show.
 GAP_BY_L1 = 0.1
+# Largest cell over the thickness of a coating with which the grid resolves the shear stress at its interface.
+CELL_AT_INTERFACE = 0.5
 # Relative change of an attraction from cells of twice the size above which two grids show no limit of it.
 RESOLVED_CHANGE = 0.5
 # Numbers whose errors, besides what the estimate says, are shown by their changes between grids; without adhesion the
@@ -307,8 +308,9 @@ def _approach_error(solution: Solution, estimate: ErrorEstimate) -> ErrorParts:
     """Return the relative error of the approach that its change between grids does not show, by those in `estimate`.
 
     The error of the pressure by the cells adds `GAP_BY_L1` of that in L1; not with adhesion, where the changes show it.
-    A range of attraction that was chosen for the grid adds `APPROACH_BY_RANGE`, and the state at pull-off what its load
-    leaves open. The error is infinite, with the reason, where images are left out or the approach is zero.
+    A range of attraction that was chosen for the grid adds `APPROACH_BY_RANGE`. The state at pull-off leaves open a
+    fraction of the approach, or of the range if that is larger: the root of the error of the load. The error is
+    infinite, with the reason, where images are left out or the approach is zero.
     """
     size, adhesion = abs(solution.approach), solution.adhesion
     if estimate.l1.images:

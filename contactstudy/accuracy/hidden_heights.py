@@ -203,7 +203,7 @@ def _on_lines(problem: Problem, axis: int, points: int) -> list[Array] | None:
     on_lines = [np.concatenate(fields, axis=1) for fields in zip(*examined, strict=True)]
     if points < POINTS_AT_CORNERS and on_lines[2].any():
         return _on_lines(problem, axis, POINTS_AT_CORNERS)
-    if axis and problem.covered_fractions is not None:  # an end is no height that is hidden
+    if axis and problem.covered_fractions is not None:  # an end is no height that is hidden, up to two cells away
         at_end = np.convolve(problem.covered_fractions < 1, np.ones(5))[2:-2] > 0
         on_lines[:2] = [np.where(at_end[:, None], 0.0, fields) for fields in on_lines[:2]]
     return [_on_grid(axis_first(field, axis), grid) for field in on_lines]
@@ -258,16 +258,16 @@ def _off_lines(problem: Problem) -> tuple[Array, Array, Array]:
 
     A missed height is the largest interpolation error in the cell of cubics through the centres, and a protrusion lies
     closer than the centres of the cell and all its neighbours. The rise is that of the pressure over ``E* / dx``: that
-    of a round bump ``exp(-r^2 / s^2)`` with the same largest and mean square error in the cell, of which the mean
-    square is ``pi s^2 / 2`` of the square of the largest. With the probability ``(1 - q)^k`` none of k random points in
-    a cell hits a feature over the fraction q of it; points of low discrepancy leave smaller holes. Each point is
-    examined in all cells at once.
+    of a round bump ``exp(-r^2 / s^2)``, s in cells, with the same largest and mean square error in the cell: the mean is
+    ``pi s^2 / 2`` of the largest square. With the probability ``(1 - q)^k`` none of k random points in a cell hits a
+    feature over the fraction q of it; points of low discrepancy leave smaller holes. Each point is examined in all
+    cells at once.
     """
     from scipy.ndimage import minimum_filter  # imported late, since it is slow
 
     source, grid = problem.source, problem.grid
     assert source is not None
-    heights = getattr(source, "gap_without_scales", source.gap)
+    heights = getattr(source, "gap_without_scales", source.gap)  # the lines show shapes with scales
     missed, squares, lowest = (np.zeros(grid.cells), np.zeros(grid.cells), np.full(grid.cells, np.inf))
     if heights(grid).shape[1] == 1:  # the lines across have examined it
         return missed, missed, missed

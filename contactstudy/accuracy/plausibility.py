@@ -280,7 +280,7 @@ def beyond_strength(solution: Solution) -> str:
             continue
         if not isinstance(body, HalfSpace) or isinf(body.yield_stress):
             continue
-        radius = scene.hertz.radius if scene.hertz else 1.0
+        radius = scene.hertz.radius if scene.hertz else 1.0  # the pressure at first yield does not depend on it
         first = first_yield(radius, scene.contact_modulus, body.yield_stress, body.poisson_ratio, shear / peak)
         pressure, kind = first.peak_pressure, "line"
         if scene.ellipse is not None:
@@ -336,12 +336,13 @@ def _beyond_varying_strength(solution: Solution, number: int, body: Any, shear: 
     depths = tuple(sorted(examined))
     # images along hardly matter at these depths, and each image of a window takes a second
     paddings = problem.paddings[0], ExactPeriodicity()
+    # it takes the body of this number in a pair
     operator = SubsurfaceStress(depths, number).of((body, body), problem.grid, paddings)
     if solution.traction is not None:
         operator = operator.with_shear(solution.traction.shear)
     stress = operator(solution.net_pressure)
     for part, material, top, _ in parts[1:]:
-        pressure = -float(stress[2, depths.index(top * BELOW_INTERFACE)].min())
+        pressure = -float(stress[2, depths.index(top * BELOW_INTERFACE)].min())  # stress zz, tension positive
         if pressure > (hardness := material.hardness):
             return (
                 f"The pressure on {part} of {name} of {pressure / 1e9:.3g} GPa is "

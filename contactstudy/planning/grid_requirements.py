@@ -12,7 +12,7 @@ from operator import is_
 
 import numpy as np
 
-from contactstudy.accuracy.bound import CELL_AT_INTERFACE
+from contactstudy.accuracy.estimate import CELL_AT_INTERFACE
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings, ZeroPadding
 from contactstudy.domain.validation import InvalidInput, Metres, NotDefined, readable, valid

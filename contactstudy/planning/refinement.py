@@ -357,6 +357,7 @@ class GridRefinement:
         if not 0 < roller < extent[1] * (1 - 1e-9):
             return Grid((nx, ny), extent)
         fraction = roller / extent[1]
+        # up to so many more that the rows beyond the ends become two more, of which some number fits
         longest = ceil(max(GROWTH_WITHOUT_BOUND * along, along + 2 / (1 - fraction)))
         ny = min(
             range(ceil(along), min(longest, ceil(MAX_LENGTHENING * along)) + 1),
@@ -428,8 +429,8 @@ class GridRefinement:
         """Return the minimum number of cells (across, along) whose bound is expected to meet the error, from the `last`.
 
         Each axis may then contribute half of it, so that its cells grow by ``(2 e f / e0)^(1 / order)``: f is the
-        fraction of the error e that it contributes, and e0 is `AIMED_FRACTION` of the allowed error. Along a row of
-        cells the axis across may contribute all.
+        fraction of the error e that it contributes, and e0 is `AIMED_FRACTION` of the allowed error. Each keeps at least
+        half of its cells. Along a row of cells the axis across may contribute all.
         """
         nx, ny = last.grid.cells
         across, along = self.min_cells(last.grid.extent)

@@ -93,6 +93,8 @@ class PlasticZone:
         """Return the bytes of operators and fields on `grid`, in addition to one solve."""
         volume = self.volume(grid)
         count, across, along = volume.shape
+        # 3 components of a plastic strain in plane strain, else 5, as it keeps the volume; operators are matrices
+        # between those of all layers for each wave number
         if along == 1:
             operators = (across + 1) * (3 * count) ** 2
             numbers = operators + STRAIN_FIELDS * 3 * prod(volume.shape)
@@ -235,7 +237,7 @@ def _fretting(friction: Fretting, load: AnyLoad, hertz: HertzLine) -> tuple[floa
     beside it, of the slope ``(x^2 - (a^2 + c^2) / 2) / (R (x^2 - c^2)^(1/2))``, is zero again at ``x = c cosh t`` with
     ``sinh 2t / 2t = a^2 / c^2``, up to 1.74 half-widths of Hertz at ``Q / (mu P) = 0.97``. Under a displacement d from
     a datum D ``Q / (mu P)`` is at most ``pi E* d / (2 ln(2 D / a) mu P)``, and from that on the contact may slide
-    fully.
+    fully, over each half cycle that a step stands for.
     """
     history = friction.history
     assert history is not None
@@ -335,7 +337,7 @@ def plan_of_adhesion(
         finer = int(grid.cells[axis] * ZONE_CELLS / cells) + 1
         warnings += (
             f"Grid.cells[{axis}] is {grid.cells[axis]}: {cells:.2g} cells in the cohesive zone, so few that the "
-            f"grid pins the edge of the contact (lattice trapping): give {finer} for six.",
+            f"grid pins the edge of the contact (lattice trapping): give {finer} for {ZONE_CELLS:.0f}.",
         )
     return plan_on(scene, grid, requirements.padding(), (*requirements.reasons(grid), reason), warnings)
 

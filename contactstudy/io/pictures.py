@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from contactstudy.domain.grid import Array
 from contactstudy.domain.validation import display_unit_of, readable
-from contactstudy.io.quantities.contact_quantities import parameters_text, surface_parameters
+from contactstudy.io.quantities.surface_parameters import parameters_text, surface_parameters
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 
 # Style of all pictures, such as fonts, sizes and resolution.
@@ -215,13 +215,13 @@ def _heights(ax: Axes, places: Sequence[Array], unit: str, heights: Array, title
 
 
 # Fraction of half a roller's length that is drawn at each end.
-OF_LENGTH = 0.4
+END_FRACTION = 0.4
 # Half-width of what is drawn of a film, steady and in time, in Hertz's half-widths: the inlet is several times as wide.
 FILM_WIDTH, FILM_WIDTH_IN_TIME = 2.0, 1.5
 # Film thickness over the least one up to which a film is drawn on a linear axis.
 THICKEST_FILM = 8.0
 # Largest number of instants, or passes, whose profiles are drawn: more colours are not told apart.
-PROFILES = 6
+MAX_PROFILES = 6
 # Decades that a logarithmic axis of errors has at the most.
 DECADES = 6
 # Place of the legend of a panel, beside it.
@@ -373,7 +373,7 @@ def _ends(ax: Axes, dataset: xr.Dataset, name: str) -> None:
     beside = second_axis(ax, down, RED)
     symmetric = np.allclose(pressure, pressure[::-1], atol=1e-3 * float(pressure.max()))
     for side, style in ((1, "-"), (-1, "--"))[: 1 if symmetric else 2]:
-        shown = side * (y - middle) >= (1 - OF_LENGTH) * half
+        shown = side * (y - middle) >= (1 - END_FRACTION) * half
         distance, along = in_display_unit((half - side * (y - middle))[shown], "m", "from the end")
         end = "" if symmetric else f"end at {'larger' if side > 0 else 'smaller'} y"
         ax.plot(distance, pressure[shown], style, label=end, color=BLUE)
@@ -467,7 +467,7 @@ def _passes(ax: Axes, rolled: xr.Dataset, name: str) -> None:
 
     The first pass is dark, the last one bright.
     """
-    chosen = np.unique(np.linspace(0, rolled.sizes["pass_number"] - 1, PROFILES).round().astype(int))
+    chosen = np.unique(np.linspace(0, rolled.sizes["pass_number"] - 1, MAX_PROFILES).round().astype(int))
     depth, down = in_display_unit(rolled["z"], "m", "depth")
     if name == "residual_stress":
         scale, unit = display_unit_of(abs(rolled[name]), "Pa")
@@ -488,7 +488,7 @@ def _dark_to_bright(count: int) -> Any:
 def _instants(values: Any) -> list[int]:
     """Return the numbers of the instants to draw of values (time, x), evenly spaced without those that are all zero."""
     drawn = np.flatnonzero(values.any(axis=1)) if values.any() else np.array([len(values) - 1])
-    return sorted(set(drawn[np.linspace(0, len(drawn) - 1, PROFILES).round().astype(int)].tolist()))
+    return sorted(set(drawn[np.linspace(0, len(drawn) - 1, MAX_PROFILES).round().astype(int)].tolist()))
 
 
 def _dent(ax: Axes, evolved: xr.Dataset, name: str) -> None:

@@ -164,7 +164,7 @@ def _holds_heights(file: Path) -> bool:
 def drawn_surfaces(surfaces: dict[str, MeasuredSurface], shown: "tuple[Heights, ...]") -> "dict[str, Figure]":
     """Print what was done to surfaces, and their parameters; return their pictures."""
     from contactstudy.io.pictures import surface_picture
-    from contactstudy.io.quantities.contact_quantities import parameters_text, surface_parameters
+    from contactstudy.io.quantities.surface_parameters import parameters_text, surface_parameters
 
     for name, surface in surfaces.items():
         click.echo(f"{name}: {surface.description}")

@@ -5,7 +5,7 @@ import pytest
 from scipy import ndimage
 
 import contactstudy as cs
-from contactstudy.io.quantities.contact_quantities import parameters_text, surface_parameters
+from contactstudy.io.quantities.surface_parameters import parameters_text, surface_parameters
 
 NOISE = np.random.default_rng(0).standard_normal((300, 360))
 SMOOTH = 1e-6 * ndimage.gaussian_filter(NOISE, (3, 6))

@@ -378,6 +378,7 @@ def passes_dataset(rolling: "RepeatedRolling") -> xr.Dataset:
     passes, track, volume = rolling.passes, rolling.track, rolling.track.operator.volume
     window = "component", "z", "x"
     pressure = passes[-1].solution.pressure[:, 0]
+    # from the components c of the strain to those t of a tensor, in the layers l
     strain = np.einsum("ct,cl...->tl...", track.operator.basis, track.strain)[..., 0]
     below = "plastic strain below the contact in the last pass"
     stress = rolling.unloaded.residual_stress()[..., 0]

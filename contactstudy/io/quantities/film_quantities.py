@@ -116,7 +116,8 @@ def film_quantities(contact: "FilmSolution", l1: ErrorParts) -> dict[str, Quanti
     of_peak = ErrorParts(discretisation=inf, reason=spike) if spike else None
     estimate, paddings = ErrorEstimate(l1, of_peak), across_and_along(contact.padding)
     stresses = stress_quantities(contact.scene, contact.derived, contact.grid, estimate, paddings)
-    # it lies deeper than a spike acts: on 200 films its changes bounded it, where others were missed up to 12 times
+    # the orthogonal shear stress lies deeper than a spike acts: on 200 films its changes between grids bounded it, while
+    # those of other stresses were up to 12 times too small
     below_spike = {
         name: replace(of, reason=reason)
         for name, of in stresses.items()
@@ -137,7 +138,7 @@ def _of_formulas(contact: "FilmSolution") -> dict[str, Quantity]:
     """Return the film thickness by Dowson and Higginson, and the asymptotes of Moes' film."""
     scales = contact.scales
     load, viscosity = scales.load_parameter, scales.viscosity_parameter
-    unit = pi / (8 * load) * scales.film
+    unit = pi / (8 * load) * scales.film  # [m] of the film thickness of Moes
     label = "minimum film thickness by Dowson and Higginson"
     film = dowson_higginson_film(load, viscosity) * unit if scales.mean_speed else 0.0
     quantities = {"dowson_higginson_film": Quantity(film, "m", label, reason=FORMULA)}

@@ -31,7 +31,7 @@ TENSION_ERROR = 3.5
 # Cells on either side in which the fall of a largest stress counts at a surface, where it may lie at an edge; one,
 # which may be at the same height by chance, left out 2 in 3 of the error of the largest shear stress of a sliding
 # cylinder.
-AT_SURFACE = 2
+CELLS_AT_SURFACE = 2
 # Part of the bound of the tension by the pressure, over the L1 error of the pressure times the largest von Mises stress
 # at the surface. It was set together with `TENSION_ERROR`, on the same contacts.
 BY_PRESSURE = 0.5
@@ -47,14 +47,14 @@ UNRESOLVED_SHEAR = (
 )
 # Ratio of two neighbouring depths between which the stress follows a parabola: from the least, below which they are the
 # two sides of an interface, to the largest, which the depths that are chosen for a scene keep.
-MIN_STEP, MAX_STEP = 1.001, 2.0
+MIN_DEPTH_RATIO, MAX_DEPTH_RATIO = 1.001, 2.0
 # Relative difference of largest values that are equal but for the residual of the solver.
 SYMMETRY = 1e-7
 # Stress over the largest von Mises stress at the surface up to which it is rounding.
 ROUNDING = 1e-9
 # Number of grids, each three times as wide as the one before, on which the largest tension is sought beyond the grid of
 # a layered body: eight reach 6,561 times as far.
-WIDER = 8
+WIDER_GRIDS = 8
 # Distance up to which the tension is sought at least, over the depth of the substrate times the cube root of the ratio
 # of moduli, the length over which a layer on a softer body bends: the largest tension lay within 2 with ratios up to
 # 1000.
@@ -257,8 +257,8 @@ def _with_depth(name: str, label: str, values: Array, samples: _Samples) -> dict
     """Return the largest of `values` (z, x, y) [Pa] by its `name` and with a `label`, and its depth.
 
     Between depths that the scene does not give, value and depth are those at the vertex of a parabola. The rivals are
-    the highest local maxima at all depths, each with its fall to the cells beside it; the largest of all depths lies up
-    to beside the neighbouring given ones. At a single depth there is no number for it.
+    the highest local maxima at all depths, each with its fall to the cells beside it. Where no parabola places the
+    largest, it may also lie at the depths next to its own. At a single depth there is no number for the depth.
     """
     depths, given = samples.z, samples.given
     value, position = largest_place(values, {"x": samples.x, "y": samples.y, "z": depths}, ("z", "x", "y"))
@@ -275,7 +275,7 @@ def _with_depth(name: str, label: str, values: Array, samples: _Samples) -> dict
     highest, rivals = int(peaks.argmax()), []
     for level, maxima in enumerate(values == maximum_filter(values, 3, mode="nearest")):
         if maxima.any():
-            cells = 1 if depths[level] else AT_SURFACE
+            cells = 1 if depths[level] else CELLS_AT_SURFACE
             reach = float((values[level] + _falls(values[level], cells))[maxima].max())
             # another maximum lies up to half-way to the depths beside it
             around = depths[max(level - 1, 0) : level + 2]
@@ -335,7 +335,7 @@ def _surface_tension(
     depth_of_substrate = max((top for *_, top, _ in parts), default=0.0)
     farthest = BENDING_LENGTHS * depth_of_substrate * (max(moduli) / min(moduli)) ** (1 / 3) if moduli else 0.0
     before = grid
-    for around, stress_around in islice(wider, WIDER):
+    for around, stress_around in islice(wider, WIDER_GRIDS):
         axes = {"x": around.x, "y": around.y}
         within = (np.abs(at) < extent / 2 for at, extent in zip(axes.values(), before.extent, strict=True))
         beyond = principal_stresses(stress_around)[0]
@@ -374,7 +374,7 @@ def between_depths(depths: Array, peaks: Array, *, given: bool) -> tuple[float, 
     if given or not 0 < at < len(peaks) - 1 or not depths[at - 1]:
         return at_peak
     steps = [log(depths[at] / depths[at - 1]), log(depths[at + 1] / depths[at])]
-    if not all(log(MIN_STEP) < step < log(MAX_STEP) for step in steps):
+    if not all(log(MIN_DEPTH_RATIO) < step < log(MAX_DEPTH_RATIO) for step in steps):
         return at_peak
     fall = [float(peaks[at] - peaks[at - 1]), float(peaks[at] - peaks[at + 1])]
     # peak - slope t - bend t^2 at the logarithmic distance t from the largest peak

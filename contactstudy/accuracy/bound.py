@@ -50,7 +50,7 @@ PROTRUDING = (
 
 
 # Ratio of the hidden fraction of the load to the error of smooth edges below which no coarser solution is needed:
-# hidden heights then add less than the edges, whose error by their law is some times the true one.
+# hidden heights then add less than the edges, whose error by their law is several times the true one.
 SMOOTH_RATIO = 0.25
 # Largest error in L1 over the hidden fraction of the load, see :class:`HiddenEffect`: at most 0.66 in 180 rough line
 # contacts on 32 to 128 cells in which that fraction is larger than the error of the edges.

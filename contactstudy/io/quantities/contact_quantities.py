@@ -81,7 +81,7 @@ def rolling_traction_quantities(
     Their bounds are the `errors` that the solver of the traction found by its own coarser grids, and that of the load.
     """
     pressed, load = float(solution.pressure.sum()), abs(_net_load(solution))
-    by_cells = traction.errors.force * pressed / load if load else 0.0
+    by_cells = traction.errors.force * pressed / load if load else 0.0  # that of force over repulsion
     # at a given approach the load is a result
     of_load = solution.residual + (0.0 if estimate.load is None else estimate.load.total)
     names = ("traction_coefficient", "tangential"), ("lateral_traction_coefficient", "lateral")
@@ -279,8 +279,8 @@ def contact_quantities(
 ) -> dict[str, Quantity]:
     """Return the quantities of a dry contact and of the effects that its scene names; none without a finite pressure.
 
-    Areas, energies and powers are per length where the scene has no length of its own. Numbers without a law of their
-    error get none here (`_shown_error`).
+    Areas, energies and powers are per length where the scene has no length of its own. Numbers that are bounded by their
+    changes between grids have no bound yet (`_shown_error`).
 
     Parameters
     ----------

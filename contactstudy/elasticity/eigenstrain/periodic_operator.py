@@ -79,7 +79,8 @@ def _integrals(x: Array, z: Array) -> Array:
 
 # A wave with wave number k along the length decays across like exp(-k |x|). The period across is so long that its
 # repeated image has at most this fraction of it. With 1e-4 or 1e-14 the stress by a smooth strain changes by 2e-9 of its
-# largest, but by noise from cell to cell by 2e-4: what short waves make at edges of cells decays like 1 / period.
+# largest, but by noise from cell to cell by 2e-4: between layers that are no neighbours waves end at two cells, and what
+# these make decays across like 1 / |x| alone.
 WRAP = 1e-8
 # Number of complex values of one component of a field up to which waves are transformed together: half a megabyte, which
 # stays in the cache of a core.

@@ -46,8 +46,8 @@ def layers(grid: Grid, length: float, depth: float) -> tuple[float, ...]:
     """Return the depths [m] of the edges of layers from 0 to at least `depth`, and of one more with its middle below it.
 
     A layer is as thick as a cell is wide down to the depth `length`, twice that down to ``3 length``, four times that
-    down to ``7 length``, and so on, so that errors of layers and of cells fall alike and an operator is made once for
-    each thickness. A larger depth adds layers and leaves the others unchanged.
+    down to ``7 length``, and so on, so that errors of layers and of cells fall alike and what an operator keeps of a
+    layer is made once for each of few thicknesses. A larger depth adds layers and leaves the others unchanged.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ class PlasticState:
     bodies
         The bodies that yield.
     elastic
-        Contact under the largest load before anything has yielded.
+        Contact of the elastic bodies under the largest load of the history.
     precision
         Precision of the contact's solver.
     operators
@@ -217,7 +217,7 @@ class PlasticState:
         while self._grown(self._nearly_yields(first, attraction)):
             pass
         while True:
-            # the volumes of either state may be larger than those of the other
+            # the volumes of either state may be larger than those of the other: first they grow to hold both
             self._in_volumes(state)
             guessed, initial = self._in_volumes(begin), self._in_volumes(state)
             bodies = YieldingBodies(tuple(self.operators), tuple(body.hardening for body in self.bodies))
@@ -415,7 +415,7 @@ class PlasticState:
         return self.elastic.problem.scales.length
 
     def _in_volumes(self, state: State) -> list[Array]:
-        """Return the fields ``plastic<i>`` of `state` by body, in volumes that are enlarged to hold them."""
+        """Enlarge the volumes to hold `state`, and return its fields ``plastic<i>`` in them, by body."""
         plastics = []
         for number, body in enumerate(self.bodies):
             plastic, first = state[f"plastic{body.index}"], int(state[f"first{body.index}"][0])

@@ -106,22 +106,23 @@ Hardness = Annotated[float, HARDNESS]
 NewtonsPerMetre = Annotated[float, Unit("N/m", "a load per length", "100 N/mm")]
 JoulesPerSquareMetre = Annotated[float, Unit("J/m^2", "a work per area", "50 mJ/m^2")]
 Newtons = Annotated[float, Unit("N", "a load", "2 kN")]
-PerMetre = Annotated[float, Unit("1/m", "a spin", "0.5 1/m")]
-PerPascal = Annotated[float, Unit("1/Pa", "a specific wear rate", "1e-6 mm3/(N m)")]
+Spin = Annotated[float, Unit("1/m", "a spin", "0.5 1/m")]
+SpecificWearRate = Annotated[float, Unit("1/Pa", "a specific wear rate", "1e-6 mm3/(N m)")]
 Compressibility = Annotated[float, Unit("1/Pa", "a compressibility", "0.6 1/GPa")]
 PressureViscosity = Annotated[float, Unit("1/Pa", "a pressure-viscosity coefficient", "20 1/GPa")]
 ThermalConductivity = Annotated[float, Unit("W/(m*K)", "a thermal conductivity", "46 W/(m*K)")]
 VolumetricHeatCapacity = Annotated[float, Unit("J/(m^3*K)", "a volumetric heat capacity", "3.6 MJ/(m^3*K)")]
 Kelvins = Annotated[float, Unit("K", "a temperature", "333 K")]
-PerKelvin = Annotated[float, Unit("1/K", "a temperature coefficient", "0.04 1/K")]
+TemperatureCoefficient = Annotated[float, Unit("1/K", "a temperature coefficient", "0.04 1/K")]
 PascalSeconds = Annotated[float, Unit("Pa*s", "a viscosity", "40 mPa*s")]
 MetresPerSecond = Annotated[float, Unit("m/s", "a speed", "100 mm/s")]
 Seconds = Annotated[float, Unit("s", "a time", "2 min")]
-PerSecond = Annotated[float, Unit("Hz", "a frequency", "50 Hz")]
+Frequency = Annotated[float, Unit("Hz", "a frequency", "50 Hz")]
 Radians = Annotated[float, Unit("rad", "an angle", "1 degree")]
 Number = Annotated[float, Unit("", "a number", "0.3")]
 
-# Units for display, each with its size in SI units, by the SI unit as files name it, largest first.
+# Units for display, each with its size in SI units, by the SI unit as files name it. They are tried in this order, the
+# largest first, but 1/GPa, of coefficients of oils, before 1/Pa, of wear rates.
 DISPLAY_UNITS: Mapping[str, tuple[tuple[float, str], ...]] = {
     "Pa": ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa")),
     "m": ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm")),

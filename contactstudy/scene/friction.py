@@ -565,7 +565,7 @@ class TractiveRolling:
     longitudinal: Annotated[validation.Number, validation.ANY_SIGN] | None = None
     tangential: Annotated[validation.NewtonsPerMetre, validation.ANY_SIGN] | None = None
     lateral: Annotated[validation.Number, validation.ANY_SIGN] = 0.0
-    spin: Annotated[validation.PerMetre, validation.ANY_SIGN] = 0.0
+    spin: Annotated[validation.Spin, validation.ANY_SIGN] = 0.0
     speed: Annotated[validation.MetresPerSecond, NOT_ZERO] = 1.0
     total: Annotated[validation.Newtons, validation.ANY_SIGN] | None = None
 
@@ -662,7 +662,7 @@ class Wear:
         If a number is outside these limits; in a scene whose motion contradicts it, or whose bodies do not touch.
     """
 
-    coefficient: Annotated[validation.PerPascal, validation.AT_LEAST_ZERO]
+    coefficient: Annotated[validation.SpecificWearRate, validation.AT_LEAST_ZERO]
     speed: Annotated[validation.MetresPerSecond, validation.AT_LEAST_ZERO]
     body: validation.BodyIndex = 0
     circumference: validation.Metres | None = None

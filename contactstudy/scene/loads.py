@@ -355,7 +355,7 @@ class SineLoad:
 
     mean_load: Annotated[validation.NewtonsPerMetre, validation.AT_LEAST_ZERO]
     amplitude: Annotated[validation.NewtonsPerMetre, validation.AT_LEAST_ZERO]
-    frequency: validation.PerSecond
+    frequency: validation.Frequency
     phase: Annotated[validation.Radians, validation.FINITE] = 0.0
 
     def check_together(self) -> None:

@@ -76,7 +76,7 @@ class FilmHeat:
         For other values.
     """
 
-    temperature_viscosity: Annotated[validation.PerKelvin, validation.AT_LEAST_ZERO] = 0.04
+    temperature_viscosity: Annotated[validation.TemperatureCoefficient, validation.AT_LEAST_ZERO] = 0.04
     conductivity: validation.ThermalConductivity = 0.14
     first: ThermalBody | None = None
     second: ThermalBody | None = None

@@ -291,7 +291,7 @@ def _duration(raw: Mapping[str, Any], counted: str) -> float:
         return 0.0 if value is None else float(valid(f"{table}.{key}", value, hint))
 
     if counted == "cycle":
-        frequency = entry("load", "frequency", validation.PerSecond)
+        frequency = entry("load", "frequency", validation.Frequency)
         return 1 / frequency if frequency else entry("friction", "period", validation.Seconds)
     speed = next(filter(None, (entry(table, "speed", SPEED) for table in ("rolling", "friction", "wear"))), 0.0)
     return entry("wear", "circumference", validation.Metres) / abs(speed) if speed else 0.0

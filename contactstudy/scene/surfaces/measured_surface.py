@@ -233,9 +233,9 @@ class MeasuredSurface:
         )
 
     def _periodic(self, heights: Array, axis: int, seam: preparation.PeriodicExtension, grid: Grid) -> Array:
-        """Return heights (x, y) as means over the cells of a grid along an axis, which its `seam` makes periodic.
+        """Return heights (x, y) as means over the cells of a grid along an `axis`, along which the `seam` repeats them.
 
-        Where the period of the grid is shorter than that of the surface, it is that of the middle part.
+        If one period of the surface does not fit into the grid, its middle part is repeated.
         """
         assert self.extent is not None
         count, length = heights.shape[axis], self.extent[axis]

@@ -190,6 +190,7 @@ def _columns(name: str, text: TextTable) -> dict[str, tuple[int, float | None]]:
     named: dict[str, tuple[int, float | None]] = {}
     for place, label in enumerate(text.names):
         words = re.split(r"[\s/\[\](),_]+", label.lower())
+        # a word of the axes anywhere counts before the first word, of which "xpos" is x
         kind = next((word for word in words if word in COLUMNS), words[0].strip("-:#").removesuffix("pos"))
         for axis, starts in COLUMNS.items():
             if kind in starts and axis not in named:
@@ -292,6 +293,7 @@ def _without_margins(values: Array) -> tuple[Array, list[float]]:
     A step is zero without positions, and where they are the numbers of the points. Where positions fall the matrix is
     reversed.
     """
+    # a plane is even in all its rows and columns, margins in the first alone
     left = top = np.array([])
     if min(values.shape) > 2 and _is_even(values[1:, 0]) and not _is_even(values[1:, 1]):
         left, values = values[:, 0], values[:, 1:]

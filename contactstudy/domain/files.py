@@ -110,7 +110,7 @@ def _parts(value: Any, memo: Memo) -> Any:
         held = value.__defaults__, value.__kwdefaults__, enclosed
         return name, known, _code(value.__code__), _parts(held, memo)
     raise InvalidInput(
-        f"A case or its measures hold {value!r:.100}, whose state cannot be seen: make its class a frozen dataclass."
+        f"What identifies a solve holds {value!r:.100}, whose state cannot be seen: make its class a frozen dataclass."
     )
 
 

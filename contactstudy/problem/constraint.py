@@ -75,7 +75,7 @@ class Exponential(WorkAndRange):
 # Half the width of the fall of Dugdale's law over its range; and the smallest product of that and the number of cells
 # in the cohesive zone, below which the edge of the contact is trapped between two cells. On 24 cylinders with a ramp of
 # 0.1 the contact was as if the work of adhesion were off by up to 30 % on 3.5 cells in the zone, 17 % on 6 and 3 % on
-# 14; with these by 2, 0.9 and 0.8 %.
+# 14; with a ramp of 3 over the cells by 2, 0.9 and 0.8 %.
 RAMP, CELLS_ON_RAMP = 0.1, 3.0
 
 

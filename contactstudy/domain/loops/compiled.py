@@ -86,7 +86,7 @@ summing = partial(_compiled, fastmath={"reassoc", "nsz"})
 
 @summing
 def active_gap_sums(undeformed: Array, displacement: Array, pressure: Array, limit: float, results: Array) -> None:
-    """Write for each row the sum of the gap, before the approach, over the active set, and the set's number of cells."""
+    """Write for each row the sum of the gap at no approach over the active set, and the set's number of cells."""
     for i in range(pressure.shape[0]):
         heights, cells = 0.0, 0.0
         for j in range(pressure.shape[1]):

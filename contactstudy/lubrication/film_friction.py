@@ -106,7 +106,7 @@ class ShearedFilm:
         lubricant = self.film_fraction * motion.lubricant.shear.stress(newtonian, self.lubricant_pressure)
         if self.contact is None or motion.boundary is None:
             return np.asarray(lubricant)
-        sticking = np.minimum(1, slip / (STICK * self.sliding))
+        sticking = np.minimum(1, slip / (STICK * (self.sliding or 1.0)))  # without sliding there is no slip
         return np.asarray(lubricant + motion.boundary.coefficient * self.contact * sticking)
 
     def stress_and_slip(self, viscosity_ratio: Array | float = 1.0) -> tuple[Array, Array]:

@@ -43,6 +43,14 @@ def test_the_friction_is_isothermal_with_perfect_conduction_or_without_thinning(
         assert hot.friction == pytest.approx(cold.friction, rel=1e-6)
 
 
+def test_a_heated_film_on_asperities_has_no_friction_in_pure_rolling() -> None:
+    rolling = heated(slide=0.0)
+    boundary = cs.Boundary(1.2 * solve_lubricated(rolling, grid(160, 4.5)).minimum_film, 0.1)
+    contact = solve_lubricated(with_motion(rolling, boundary=boundary), grid(160, 4.5))
+    assert contact.contact_load_fraction > 0
+    assert contact.friction == contact.flash_temperature == 0
+
+
 def test_traction_rises_with_sliding_and_falls_again_as_the_film_frictions_up() -> None:
     law = {"viscosity_law": cs.Roelands(0.6, reference_pressure=2.63e8)}
     hot = [solve_lubricated(_at(heated(slide, **law), 40.0), grid(160, 8)) for slide in (0.02, 0.2, 1.9)]

@@ -12,9 +12,9 @@ is zero under pressure. The flow through the face between two cells across, 0 up
 
 - ``phi`` is the logarithmic mean of the fluidity ``eta0 / eta``: the exact mean for Barus' law;
 - ``C = 2 H0^2 H1^2 / (H0 + H1)`` is the exact conductance of a wedge; it vanishes with either film;
-- ``W`` is the Couette (wedge) flow, of second order and never negative: with the content ``m`` of cell 0 and the ratio
-  ``r`` of the content of the next cell upstream to it, ``W = m r^(-1/2)`` where the content falls (r >= 1), else
-  ``m (3 - r) / 2``.
+- ``W`` is the Couette (wedge) flow, of second order and never negative: the content of cell 0 and of the next one
+  upstream, extrapolated to the face. With the content ``m`` of cell 0 and the ratio ``r`` of the other one to it, its
+  logarithm is extrapolated where the content falls (r >= 1), ``W = m r^(-1/2)``, else itself, ``W = m (3 - r) / 2``.
 
 Through faces along the length there is only the Poiseuille flow. Cavitation is that of Elrod & Adams (1974): as much
 lubricant leaves each cell as enters it, cavitated or not. With Reynolds cavitation the film is full where the pressure
@@ -49,7 +49,7 @@ from contactstudy.elasticity.convolution import (
 from contactstudy.scene.lubrication import Cavitation, ElrodAdams, Lubrication
 
 # The logarithmic mean is a series where half the difference u of the logarithms is below this: there the next term of
-# the series, u^4 / 120, is below rounding.
+# the series, u^4 / 120, is below 1e-14.
 SERIES = 1e-3
 # Cells across at the inlet and at the outlet without pressure or a balance of the flow: the wedge term needs two
 # upstream. They are called fixed.
@@ -104,12 +104,15 @@ class FilmScales:
         """Central film thickness over ``a^2 / R`` by the formula of Moes (1992)."""
         if not self.mean_speed:
             return 0.0
-        film = moes_film(self.load_parameter, self.viscosity_parameter)
+        film = moes_film(self.load_parameter, self.viscosity_parameter)  # h / R over (eta0 u_s / (E' R))^(1/2)
         return film * pi / (8 * self.load_parameter)
 
     @property
     def relative_half_width(self) -> float:
-        """Half-width that carries load, over that of Hertz; ``sqrt(2 H)`` in a thick film."""
+        """Half-width that carries load, over that of Hertz.
+
+        In a thick film H it is ``sqrt(2 H)``, where the gap ``X^2 / 2`` of the rigid bodies is as large as the film.
+        """
         return max(1.0, sqrt(2 * self.expected_film))
 
 
@@ -118,7 +121,7 @@ class Deflection:
     """Displacement of both surfaces under a pressure, positive where they move apart.
 
     The influence coefficients that are ``even`` across are those of elastic bodies; bodies that creep while they move
-    have ``odd`` ones too, and None have elastic bodies alone.
+    have ``odd`` ones too, None if both are elastic.
     """
 
     even: Convolution
@@ -208,12 +211,12 @@ class _FaceFlow(NamedTuple):
 class Linearised:
     """The flow balance of the cells to first order in changes of pressure, thickness and void fraction.
 
-    ``residual`` (x, y) is the balance of each cell, what flows out less what flows in, times the width of a cell where
-    it is per area. ``flux`` (x - 1, y) is the flow through the faces across. ``pressure`` at constant thickness,
-    ``thickness`` and ``void`` are the derivatives of the balance by these three: the coefficient of offset (i, j)
-    multiplies the change in the cell that far away. Rows of fixed cells are zero. ``content_slopes`` are the
-    derivatives of the content by the three. ``inverse_time_step`` is that of an implicit step in pseudo-time, zero for
-    none.
+    ``residual`` (x, y) is the balance of each cell, what flows out less what flows in per length along; its terms per
+    area, squeeze and source, are times the width of a cell. ``flux`` (x - 1, y) is the flow through the faces across.
+    ``pressure`` at constant thickness, ``thickness`` and ``void`` are the derivatives of the balance by these three:
+    the coefficient of offset (i, j) multiplies the change in the cell that far away. Rows of fixed cells are zero.
+    ``content_slopes`` are the derivatives of the content by the three. ``inverse_time_step`` is that of an implicit
+    step in pseudo-time, zero for none.
     """
 
     residual: Array
@@ -346,7 +349,7 @@ class FilmEquation:
             (-2, 0): -np.roll(by_further, 1, axis=0),
         }
 
-        # Poiseuille flow; rolled over the ends across, faces lie beside fixed cells, whose rows are zero
+        # Poiseuille flow; np.roll joins the ends across, where faces lie beside fixed cells alone, whose rows are zero
         residual, fluxes = np.zeros_like(content), []
         pressure: dict[tuple[int, int], Array] = {}
         thickness: dict[tuple[int, int], Array] = {}
@@ -406,12 +409,13 @@ def neighbour(values: NDArray[Scalar], offset: tuple[int, int]) -> NDArray[Scala
 def _poiseuille_flow(upstream: _FaceSide, downstream: _FaceSide, factor: float) -> _FaceFlow:
     """Return the Poiseuille flow through faces, from the cells ``upstream`` of them to those ``downstream``.
 
-    The ``factor`` is 1 / (lambda dX) across, and dX / (lambda dY^2) along, where a flow acts on the length of a cell.
+    The ``factor`` is 1 / (lambda dX) across. Along it is dX / (lambda dY^2), as a balance per length along takes the
+    flow through a face of the width dX over dY.
     """
     half = (downstream.log_fluidity - upstream.log_fluidity) / 2
     small = np.abs(half) < SERIES
     safe = np.where(small, 1.0, half)
-    # sinh(u) / u exp(-|u|), which does not overflow, and the derivative of ln(sinh(u) / u)
+    # u is half: sinh(u) / u exp(-|u|), which does not overflow, and the derivative of ln(sinh(u) / u)
     size = 2 * np.abs(safe)
     ratio = np.where(small, (1 + half**2 / 6) * np.exp(-np.abs(half)), -np.expm1(-size) / size)
     tilt = np.where(small, half / 3, 1 / np.tanh(safe) - 1 / safe)

@@ -33,9 +33,10 @@ from contactstudy.problem.problem import ApproximateInverse
 # chosen by counts of iterations on 50 rough, crowned and mixed films of 64 x 16 to 864 x 128 cells, with Moes's load
 # parameter M = 20 and 100 and his material parameter L = 0 to 10.
 ELASTIC_FRACTION, WIDTH_FRACTION, PASSES = 0.05, 0.1, 3
-# Linear residual where GMRES stops, without and with cells that touch, and that above which a step is rejected. With
-# 0.1 more steps were taken, with 0.01 half as many iterations again; with 1e-2 the active sets of touching cells did
-# not converge on 128 x 32 cells. These and the constants below were chosen on rough films of 64^2 to 256^2 cells.
+# Linear residual over the right-hand side where GMRES stops, without and with cells that touch, and that above which a
+# step is rejected. Without touching cells more steps were taken with 0.1, and half as many iterations again with 0.01;
+# with 1e-2 the active sets of touching cells did not converge on 128 x 32 cells. These and the constants below were
+# chosen on rough films of 64^2 to 256^2 cells.
 TOLERANCE, TOLERANCE_TOUCHING, MAX_RESIDUAL = 3e-2, 1e-3, 0.1
 # Length of the basis of GMRES, which holds as many numbers for each cell, and the largest number of cycles of that
 # length: most steps take 5 to 40 iterations, and one that takes more than a basis is slow to converge at all.
@@ -83,8 +84,8 @@ class StepSolver:
     """Solver of the linear systems of one film, step by step, which keeps what the next system may reuse.
 
     In plane strain nothing is kept. Else the Fourier stage was built for a ``time_step`` in pseudo-time, and GMRES took
-    ``iterations_at_build`` with it at first; both stages and counts are None before. ``last`` is the last system with
-    its solution, ``inverse`` the preconditioner of the dry contact.
+    ``iterations_at_build`` with it at first. ``last`` is the last system with its solution, ``inverse`` the
+    preconditioner of the dry contact. What does not exist yet is None.
     """
 
     def __init__(self) -> None:
@@ -107,7 +108,7 @@ class StepSolver:
             Load that the film does not carry yet, over ``p_H a``.
         """
         equation, (cavitated, touching) = linear.equation, active
-        # prescribed changes: pressures and voids that vanish
+        # prescribed changes: pressures and voids vanish; of touching cells the total pressure is an unknown
         pressure = np.where(cavitated, -film.pressure, 0.0)
         void = np.where(cavitated, 0.0, -film.void)
         asperity_pressure = np.where(touching, -pressure, -film.asperity_pressure)
@@ -116,7 +117,7 @@ class StepSolver:
         deflection = equation.deflection(total)
         to_boundary = equation.boundary_film - film.thickness
         change = linear.change_with(pressure, void, np.where(touching, to_boundary, deflection))
-        remaining_load = load_residual - system.mean * total.sum()
+        remaining_load = load_residual - system.cell_load * total.sum()
         right = system.stacked(-(linear.residual + change), to_boundary - deflection, system.flow * remaining_load)
         try:
             if touching.shape[1] == 1:
@@ -152,7 +153,7 @@ class StepSolver:
             unknowns = system.stacked(coarse * system.free, coarse, separation)
             cells, of_touching, _ = system.unstacked(values - system.product(unknowns))
             correction = local(cells) * ~linear.equation.fixed
-            if extension is not None:
+            if extension is not None:  # from heights of touching cells to their pressures
                 of_touching = extension.pressure(extension(of_touching))
             return unknowns + system.stacked(correction, of_touching, 0.0)
 
@@ -218,8 +219,8 @@ class StepSystem:
         return float(np.abs(self.linear.flux[1:-1]).max())
 
     @property
-    def mean(self) -> float:
-        """Load of a unit pressure on one cell."""
+    def cell_load(self) -> float:
+        """Load of a unit pressure on one cell, mean over the length."""
         return float(self.linear.equation.cell[0] / self.full_film.shape[1])
 
     def stacked(self, cells: Array, touching: Array, last: float) -> Array:
@@ -252,7 +253,7 @@ class StepSystem:
         total = np.where(self.touching, touching, pressure)
         film = self.linear.equation.deflection(total) + separation
         balance = self.linear.change_with(pressure, void, np.where(self.touching, 0.0, film))
-        return self.stacked(balance, film, self.flow * self.mean * total.sum())
+        return self.stacked(balance, film, self.flow * self.cell_load * total.sum())
 
     def eliminate(self, right: Array) -> Array:
         """Return the unknowns for a right-hand side in plane strain by Gaussian elimination of the matrix of `product`.
@@ -261,7 +262,7 @@ class StepSystem:
         """
         linear, touching, free = self.linear, self.touching[:, 0], self.free[:, 0]
         influence, n = linear.equation.deflection.influence, len(touching)
-        load = self.flow * self.mean
+        load = self.flow * self.cell_load
         matrix = np.zeros((right.size, right.size))
         by_deflection = matrix[:n, :n]
         for offset, coefficient in linear.thickness.items():
@@ -392,12 +393,13 @@ class FourierStage:
         index = np.arange(nx)
         by_separation = np.zeros(nx)
         # rows of the identity for cells without an unknown pressure
-        solved, film_can_change, full_film = full_film | touching, ~touching, full_film & ~touching
+        solved, film_can_change, free = full_film | touching, ~touching, full_film & ~touching
         matrices[:, index, index] = 1 - solved.mean(axis=1)
+        # both neighbours along have nearly the same mean coefficient, so that the sines of a harmonic cancel
         turn = np.cos(2 * np.pi * np.arange(number) / ny)
         for bands, elastic in ((linear.pressure, False), (linear.thickness, True)):
             for (across, along), coefficient in bands.items():
-                counted = full_film & neighbour(film_can_change, (across, along)) if elastic else full_film
+                counted = free & neighbour(film_can_change, (across, along)) if elastic else free
                 average = (coefficient * counted).mean(axis=1).astype(np.float32)
                 rows = index[max(0, -across) : nx - max(0, across)]
                 weight = turn if along else np.ones(number)

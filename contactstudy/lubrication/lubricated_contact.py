@@ -51,8 +51,8 @@ class FilmSolution:
     Attributes
     ----------
     scene, grid, padding, scales
-        What was solved: the scene, its cells, the padding along the length, and the units of Hertz's contact in which
-        the equations are written.
+        What was solved: the scene, its cells, the padding along the length or those (across, along), and Hertz's
+        contact with Moes' parameters, at the present load and speed.
     pressure
         Pressure [Pa] of lubricant and asperities together.
     film

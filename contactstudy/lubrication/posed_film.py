@@ -55,7 +55,9 @@ COARSEST, COARSEST_ROUGH, COARSEST_ALONG, ROW_MULTIPLE = 200, 48, 16, 8
 
 
 def lubricated_scales(scene: Scene, mean_speed: float | None = None) -> FilmScales:
-    """Return Hertz's units and Moes' parameters of a lubricated ``scene``, at its largest load and, if None, speed.
+    """Return Hertz's units and Moes' parameters of a lubricated ``scene`` at its largest load and at a mean speed [m/s].
+
+    The ``mean_speed`` is the largest of the scene if None; bodies that creep always have the modulus at the largest.
 
     Raises :class:`~contactstudy.NotDefined` for a scene without curvature.
     """
@@ -87,7 +89,8 @@ class PosedFilm:
     displacement
         Displacement [m] under a pressure [Pa] on the whole grid; its even part is the operator of the dry contact.
     creep
-        The odd part of the displacement, that of each body times the speed [m/s] of its surface; None without creep.
+        The odd part of the displacement, that of each body times the speed [m/s] of its surface, so that the slope of
+        it is a rate of indentation [m/s]; None without creep.
     """
 
     equation: FilmEquation
@@ -103,7 +106,7 @@ class PosedFilm:
 
     @property
     def middle(self) -> float:
-        """Middle of the dry contact [m]: the centroid of its pressure, or zero within a cell of that."""
+        """Middle of the dry contact [m]: the centroid of its pressure, or zero if that is within a cell of zero."""
         grid, load = self.problem.grid, self.dry_pressure.sum(axis=1)
         middle = float(grid.x @ load / load.sum())
         return middle if abs(middle) > grid.cell_size[0] else 0.0
@@ -233,7 +236,7 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings, outlet: float = 
     opening = float(np.ptp(problem.undeformed_gap, axis=1).max())
     lengths = [scale.roller for scale in length_scales_of(scene.shapes) if scale.roller > 0]
     sharp = min(SHARP_END * scales.film, *(CLIFF * length for length in lengths), inf)
-    if opening > sharp or (lengths and not opening):  # ends may lie at those of the period
+    if opening > sharp or (lengths and not opening):  # a roller without an opening ends where the period does
         raise InvalidInput(
             "Scene.shapes have a roller's sharp end: a film that ends there is not supported, give a Crown or a "
             "LundbergProfile, and a longer period."
@@ -272,7 +275,7 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings, outlet: float = 
         of_bodies: dict[Coefficients, float] = defaultdict(float)
         for body, speed in zip(bodies, scales.lubrication.contact_speeds, strict=True):
             for coefficients, weight in response((body,), problem.scales.length).items():
-                of_bodies[coefficients] -= weight * speed
+                of_bodies[coefficients] -= weight * speed  # the contact moves against the surface
         (creep,) = general_convolutions([by_symmetry(of_bodies)[1]], grid, paddings)
     boundary, supply = scales.lubrication.boundary, scales.lubrication.supply
     upstream = Grid((rows, grid.cells[1]), (rows * grid.cell_size[0], grid.length))

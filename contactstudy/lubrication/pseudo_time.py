@@ -35,11 +35,11 @@ ROUNDING = 4 * float(np.finfo(float).eps)
 # factor of the step in pseudo-time, by the ratio of residuals: with these no point failed.
 MIN_FILM_FRACTION, MIN_CONTENT_FRACTION, SHRINK, GROW = 0.3, 0.1, 0.3, 4.0
 # Fraction of the cells in which the change of ln(eta) is clipped to its limit where no cell touches, so that single
-# cells do not damp the step: light rough films of 432 x 64 cells took 44 steps for 61.
+# cells do not damp the step: light rough films of 432 x 64 cells took 44 steps in place of 61.
 CLIPPED = 2e-3
 # Largest factor of the step in pseudo-time after a damped step, from rough films; and the least factor while the
-# residual falls, or rises by no more than the factor ALLOWED_RISE. With that, beside an ALLOWED_RISE of 1, steps at 210
-# points fell from 2883 to 2426.
+# residual falls, or rises by no more than the factor ALLOWED_RISE: 210 points took 2426 steps in place of 2883 with an
+# ALLOWED_RISE of 1.
 AFTER_DAMPING, MIN_GROWTH, ALLOWED_RISE = 0.7, 2.0, 1.1
 # Damping factor below which a step is rejected, since a shorter step in pseudo-time costs less than twenty damped ones;
 # the factor of the step in pseudo-time then; and the step where the iteration ends, far below any that led to a film.
@@ -48,9 +48,9 @@ MIN_DAMPING, REJECTED, LEAST_TIME_STEP = 0.05, 0.25, 1e-9
 # asperities may touch. Smooth films in plane strain need no limit: with it they took 2.3 times the steps.
 ROUGH_CHANGE = 6.0
 # Most iterations for the active sets of a step, in plane strain and along the length. There a set moves downstream by a
-# few cells in an iteration, and need not converge in each step: with 12, films of a narrow transition took three times
-# the linear iterations. SET_CHANGES is the fraction of the cells that may still change sets in the last iteration, far
-# from the solution.
+# few cells in an iteration, and need not converge in each step: with 12, films in a narrow transition, from full to
+# boundary lubrication within a small change of speed, took three times the linear iterations. SET_CHANGES is the
+# fraction of the cells that may still change sets in the last iteration, far from the solution.
 ACTIVE_SETS, ACTIVE_SETS_ALONG, SET_CHANGES = 12, 3, 1e-3
 # Undamped steps within which the residual is halved, or the iteration ends. The slowest film that converges took 105
 # steps, most of them damped.
@@ -59,8 +59,8 @@ STALL_STEPS = 30
 # rejected: some of these steps lost all that the iteration had gained.
 UNCONVERGED_RISE = 1.5
 # Compressibility of the lubricant in a step in pseudo-time, over 1 / p_H, in cells that touch or whose film is thinner
-# than NEAR_CONTACT boundary films (Chorin 1967). A narrow transition took 12 steps for 27 on 64 x 16 cells, with 0.1
-# and 3 three times as many; on 256 x 64 it converges, where the residual had stayed at 5e-2.
+# than NEAR_CONTACT boundary films (Chorin 1967). A film in a narrow transition took 12 steps in place of 27 on 64 x 16
+# cells, with 0.1 and 3 three times as many; on 256 x 64 it converges, without it the residual stayed at 5e-2.
 ARTIFICIAL_COMPRESSIBILITY, NEAR_CONTACT = 0.3, 2.0
 # A cell enters the contact where its film is thinner than the boundary film by this fraction, which is above the
 # rounding of heights; and the largest residual that counts as rounding.
@@ -263,8 +263,8 @@ def _within_total_pressure(film: Film, active: ActiveSets, change: FilmCorrectio
 
     The boundary film determines their total pressure. Its split between lubricant and asperities is nearly
     indeterminate where the lubricant is viscous: the parts may be many times as large and of opposite signs. If each
-    were cut off at zero, the film would leave the boundary film. Without this, four films of a narrow transition took
-    117 steps for 78.
+    were cut off at zero, the film would leave the boundary film. Without this, four films in a narrow transition took
+    117 steps in place of 78.
     """
     total = film.total_pressure + change.pressure + change.asperity_pressure
     pressure = np.clip(film.pressure + change.pressure, 0, np.maximum(total, 0)) - film.pressure

@@ -55,7 +55,7 @@ PERIOD = 1e-3
 DRY_CELLS_ALONG = 16
 # Factor on the cells that the film needs, from which cells are not refined for friction, heat and load fraction: the
 # friction below a pressure spike would take any number of them.
-REFINED_FOR_MOTION = 2.0
+REFINED_FOR_FRICTION = 2.0
 # Cells for the shortest wavelength of a surface, which show its height to 3 %, and along a roller with ends, a crown, a
 # profile or a tilt.
 CELLS_PER_WAVE, CELLS_ALONG_ROLLER = 8, 48
@@ -172,7 +172,7 @@ def film_grid(
         Shortest wavelengths (across, along) of the surfaces [m]; ``CELLS_PER_WAVE`` cells each. Along a roller
         ``CELLS_ALONG_ROLLER``, and one where nothing varies along the length.
     longer
-        Factor by which the inlet is longer.
+        Factor by which the inlet is longer than the error takes.
     most_cells
         Cells across at most. Where the error takes more, the grid is that of the smallest error which they allow.
 
@@ -191,7 +191,7 @@ def film_grid(
         cell = sweep / 2 * min(1.0, sqrt(aimed / 2 / HALF_SWEEP_ERROR))
         cell = min(cell, shortest_wavelengths[0] / a / CELLS_PER_WAVE)
         across = ROW_MULTIPLE * ceil(2 * inlet / cell / ROW_MULTIPLE)
-        if across <= most_cells or aimed >= 2 * HALF_SWEEP_ERROR:
+        if across <= most_cells or aimed >= 2 * HALF_SWEEP_ERROR:  # beyond that cells are no larger
             break
         aimed *= max(across / most_cells, AIMED_STEP)  # a shorter inlet, and larger cells
     across = most_cells if aimed > error else min(across, most_cells)
@@ -233,7 +233,10 @@ def inlet_sweep(scales: FilmScales) -> float:
 
 
 def expected_error(scene: Scene, grid: Grid) -> float:
-    """Return the relative error that the film of a smooth cylinder is expected to have on a grid: by cells and inlet."""
+    """Return the relative error that the film of a smooth cylinder is expected to have on a grid: by cells and inlet.
+
+    The inlet counts from the edge of Hertz's contact, not from the axis, by which its error is rather over-estimated.
+    """
     scales = lubricated_scales(scene)
     cell, inlet = (length / scales.hertz.half_width for length in (grid.cell_size[0], grid.extent[0] / 2))
     by_cells = HALF_SWEEP_ERROR * (2 * cell / inlet_sweep(scales)) ** 2
@@ -262,11 +265,11 @@ def finer_film_grid(
     """
     (nx, ny), (width, period) = grid.cells, grid.extent
     bounded = [errors["central_film"], errors["minimum_film"]]
-    if first.cell_size[0] < REFINED_FOR_MOTION * grid.cell_size[0]:
+    if first.cell_size[0] < REFINED_FOR_FRICTION * grid.cell_size[0]:
         bounded += [parts for parts in errors.values() if isfinite(parts.total)]
     inlet, cells = (max(getattr(parts, cause) or 0.0 for parts in bounded) for cause in ("inlet", "discretisation"))
     remaining, longer = error, min(max(1.0, sqrt(2 * inlet / error)), 2.0)
-    if given is not None:  # the error of the inlet remains
+    if given is not None:  # the error of the inlet remains: half of `remaining` is left to cells, or nothing meets it
         remaining, longer = 2 * (error - inlet) if inlet <= error / 2 else error, 1.0
         if ny > 1 or cells <= remaining / 2:
             return None

@@ -116,8 +116,9 @@ def film_quantities(contact: "FilmSolution", l1: ErrorParts) -> dict[str, Quanti
     of_peak = ErrorParts(discretisation=inf, reason=spike) if spike else None
     estimate, paddings = ErrorEstimate(l1, of_peak), across_and_along(contact.padding)
     stresses = stress_quantities(contact.scene, contact.derived, contact.grid, estimate, paddings)
-    # the orthogonal shear stress lies deeper than a spike acts: on 200 films its changes between grids bounded it, while
-    # those of other stresses were up to 12 times too small
+    # the orthogonal shear stress lies deeper than a spike acts: on 200 films its changes between grids bounded it,
+    # while those of other stresses were up to 12 times too small; their reason is worded anew, with "of the spike" in
+    # it
     below_spike = {
         name: replace(of, reason=reason)
         for name, of in stresses.items()
@@ -151,7 +152,7 @@ def _of_formulas(contact: "FilmSolution") -> dict[str, Quantity]:
 def _lambda_ratio(contact: "FilmSolution", reason: str) -> dict[str, Quantity]:
     """Return the central film, with its heated inlet, over the rms height of both surfaces; none if smooth.
 
-    It has no bound for a `reason`.
+    The `reason` is why it has no bound.
     """
     rough = [shape for shape in contact.scene.shapes if _rough(shape)]
     heights = sum((shape.gap(contact.grid) for shape in rough), start=np.zeros((1, 1)))

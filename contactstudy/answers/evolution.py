@@ -51,10 +51,10 @@ WITHOUT_EQUILIBRIUM = (Status.NOT_CONVERGED, Status.FILM_NOT_CONVERGED, Status.S
 
 
 def _by_size(l1: ErrorParts) -> tuple[float, bool, float]:
-    """Return what the L1 errors of instants are compared by, the largest last.
+    """Return the key by which L1 errors of instants are sorted: total, whether it has no bound at all, error by steps.
 
-    Errors of films by their cells are infinite at an instant and bounded for all together, which other infinite ones are
-    not; among them the errors by the steps decide.
+    Errors of films by their cells are infinite at one instant and bounded for all together; other infinite errors have
+    no bound.
     """
     return l1.total, l1.reason != NO_BOUND_OF_FILMS, l1.steps or 0.0
 

@@ -170,6 +170,7 @@ class PlasticState:
     precision: Precision
 
     operators: list[EigenstrainOperator] = field(init=False)
+    # operators across the whole grid, by place in `bodies`
     _wide_operators: dict[int, EigenstrainOperator] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -251,7 +252,8 @@ class PlasticState:
     def _nearly_yields(self, solution: Solution, attraction: Array | None) -> list[NDArray[np.bool_]]:
         """Return by body in which cells (layers, x, y) the stress of a contact exceeds `NEAR_YIELD` of the yield stress.
 
-        It is von Mises' stress, without the residual one.
+        It is von Mises' stress without the residual one; its square is 3/2 of that of the deviator, whose components are
+        in an orthonormal basis.
         """
         pressure = solution.pressure if attraction is None else solution.pressure - attraction
         nearly_yields = []

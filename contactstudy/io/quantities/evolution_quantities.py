@@ -294,7 +294,8 @@ def net_work(frames: "Sequence[Frame]", approach_errors: Sequence[float], load: 
     It is the integral of the load over the approach: the hysteresis loss where the history ends at the load and on the
     branch of its beginning, else with the elastic energy stored meanwhile. Where the load does not turn between two
     instants, load and approach go one way, also where contact jumps in, so that the trapezoid is wrong by half the
-    product of their changes at most. Errors of the approaches [m] count with the changes of the load around them.
+    product of their changes at most. Errors of the approaches [m] count with the changes of the load around them, and at
+    both ends with the load.
 
     Parameters
     ----------

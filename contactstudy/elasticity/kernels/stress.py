@@ -598,5 +598,5 @@ class HalfSpaceStress:
     interface_depths: ClassVar[tuple[float, ...]] = ()
 
     def coefficients(self, traction: str, component: str, depth: float) -> tuple[tuple[StressCoefficients, float], ...]:
-        """Return the coefficients of Boussinesq and Cerruti, with the weight 1."""
+        """Return the coefficients of a `component`, such as "xz", by a `traction`, a key of ``FAMILIES``: weight 1."""
         return ((StressCoefficients(FAMILIES[traction][component], depth, self.poisson_ratio), 1.0),)

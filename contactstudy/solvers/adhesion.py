@@ -8,8 +8,8 @@ under the load ``sum(p - t)`` or at a given approach. The method is the convex-c
 in the displacements but for that of the surfaces, minus the remaining work of separation, which is concave where
 sigma falls with the gap. An outer iteration freezes t, solves the contact with the heights ``h - K t`` under the load
 ``L + sum(t)``, and takes ``t = sigma(g)``: the concave part is replaced by its tangent, so that the energy never rises.
-Anderson's (1965) mixing of the last attractions accelerates it; a mixed iterate that raises the energy by more than the
-change that it leaves is rejected.
+Anderson's (1965) mixing of the last attractions accelerates it; a mixed iterate that raises the energy by more than its
+remaining change of the attraction leaves uncertain is rejected.
 
 Without mixing the iteration is monotone in the attraction that it starts from. From zero it rises to the least adhesive
 state, the approach (jump-in) branch; from the largest attraction everywhere it falls to the most adhesive one, the
@@ -38,16 +38,16 @@ from contactstudy.solvers.solve import SolveOptions, fixed_point, solve_contact
 # Relative change of the attraction in the last outer iteration, in tolerances of the contact. A tenth of it takes 41 %
 # more, ten times it 2 % fewer.
 CHANGE_IN_TOLERANCES = 1e3
-# Largest relative change of the attraction in the last outer iteration at any tolerance. A change of 1 would leave an
-# attraction of zero.
+# Largest relative change of the attraction in the last outer iteration at any tolerance. From zero the first change is
+# 1: with that limit the iteration would end without an attraction.
 MAX_CHANGE = 0.1
 # Largest error of the gap in an inner contact over the range of the attraction. Below it the error is a tenth of the
 # last change of the attraction. A tenth of it takes 39 % more, ten times it 1 % more.
 MAX_INNER_ERROR = 1e-3
 # Number of attractions before the last that enter a mixed iterate: 3 take 9 % more, 8 take 25 % more.
 DEPTH = 5
-# Traction at an open edge over the largest, above which the attraction that is cut off there matters: it would add about
-# that fraction of itself.
+# Traction at an open edge over the largest, above which the attraction beyond that edge matters: it is about this
+# fraction of the whole attraction.
 EDGE = 1e-3
 
 
@@ -109,8 +109,8 @@ class AdhesiveSolver:
         """Return the solution of the contact `problem` with adhesion, from the state that the branch names.
 
         The first contact begins with the pressure `start` (x, y) [Pa]. `inner` solves each contact under a frozen
-        attraction, lastly that of the solution; None solves it alone. Where the attraction does not carry a tensile
-        load, the solution is the undeformed bodies as they just touch.
+        attraction, lastly that of the solution; None is for bodies without a state. Where the attraction does not carry
+        a tensile load, the solution is the undeformed bodies as they just touch.
         """
         control, law = problem.control, self.law
         # an attraction below the tolerance of the load, which is as if there were none
@@ -137,6 +137,7 @@ class AdhesiveSolver:
             status = Status.DETACHED
         elif status is Status.CONVERGED and is_cut_off(problem, state.iterate):
             status = Status.ATTRACTION_AT_EDGE
+        # the displacement by the state that `inner` solves, zero without one
         added_gap = contact.problem.undeformed_gap - (problem.undeformed_gap - state.displacement)
         return replace(
             contact,
@@ -164,7 +165,7 @@ class _State(NamedTuple):
 
     `displacement` (x, y) [m] is that of the surface by the frozen attraction. `change` is the distance between both
     attractions over the sum of the second, `energy` [J] that of the bodies, the load and the surfaces, and
-    `uncertainty` [J] what the change leaves uncertain of it.
+    `uncertainty` [J] what the change leaves uncertain of it, of second order as the energy is stationary.
     """
 
     contact: Solution
@@ -258,7 +259,8 @@ class _OuterIteration:
         return _State(contact, attraction, image, displacement, relative_change, energy, uncertainty)
 
 
-# Iterations of each load but the first over those of a solve: just beyond the last stable load the bodies detach slowly.
+# Largest number of iterations of each load but the first, over that of a solve: just beyond the last stable load the
+# bodies detach slowly, in up to four times the iterations of the first load.
 ITERATION_FACTOR = 10
 # Step of the load over the sum of the attraction, until a load is unstable: 0.1 takes 44 % more convolutions of the four
 # pull-offs, 0.5 takes 2 % more.
@@ -269,7 +271,8 @@ LOAD_STEP = 0.25
 class PullOffSearch:
     """Search for the pull-off load of a contact with adhesion, from the load of its problem on.
 
-    The load is lowered until the bodies detach, and bisected between the last stable load and the first unstable one.
+    The load, the sum of the net pressure over all cells [Pa], is lowered until the bodies detach, and bisected between
+    the last stable load and the first unstable one.
     Each solve begins with the last stable state. A load at which the solve does not converge ends the search.
 
     Parameters
@@ -277,7 +280,7 @@ class PullOffSearch:
     solver
         Solver of each load.
     error
-        Difference of both loads over the first unstable one.
+        Largest difference of the last stable and the first unstable load, over the latter.
     """
 
     solver: AdhesiveSolver

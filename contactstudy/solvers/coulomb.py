@@ -118,7 +118,9 @@ class FrictionSet:
         shift, guessed = self._shift, self._shift is not None
         if shift is None:
             shift = np.where(prescribed, total - np.array([x.sum(), y.sum()]), 0) / r.size
+        # the ridge keeps the derivative regular where all cells slip; a hundred times as much may not converge
         size, ridge = float(r.sum()), 1e-12 * r.size
+        # of the first step: factors of 1 to 8 take the same iterations
         max_step = 4 * float(max(r.max(), np.abs(x).max(initial=0.0), np.abs(y).max(initial=0.0)))
         origin, step, slope = shift, np.zeros(2), 0.0
         error = worst = np.inf
@@ -211,7 +213,8 @@ class ElasticSlip:
 
     With A, the displacement under traction, it is A itself for a contact at rest that begins without traction, and in
     steady rolling the slip per distance rolled, ``(D q)(x) = [(A q)(x) - (A q)(x + step)] / |step|``. `self_compliance`
-    is the slip of a cell under a unit traction along x on it alone; at rest, less the mean slip of all cells.
+    is the slip of a cell under a unit traction along x on it alone; at rest, less the mean slip of all cells, which
+    depends on the datum of the displacement.
 
     Parameters
     ----------
@@ -365,8 +368,8 @@ class CoulombNewton:
 
         The iteration begins with a first `shear` (component, x, y) [Pa], and ends at a residual of `tolerance`, or after
         `max_applications` of the slip operator. `free_slip` (component, x, y) is the slip without traction. The residual
-        is the root mean square of F over the largest traction, or over a ten-thousandth of that at the start (of its
-        limit where that is zero) if that is more.
+        is the root mean square of F over the largest traction, or over a ten-thousandth of that at the start (of the
+        largest limit where there is none) if that is more.
         """
         free, shear = self._gathered(free_slip), self._gathered(shear)
         projected = self._project(shear)
@@ -382,7 +385,7 @@ class CoulombNewton:
             change, slip_change = self._newton_step(state, forcing, max_applications)
             # slip is linear in the tangential traction: shorter steps cost nothing
             for halving in range(MAX_HALVINGS):
-                part = 0.5**halving
+                part = 0.5**halving  # accepted where F falls by a tenth of what it would if it were linear
                 trial = self._state(state.shear + part * change, state.slip + part * slip_change)
                 if trial.relative_residual <= (1 - 0.1 * part) * state.relative_residual:
                     state = trial
@@ -466,7 +469,8 @@ class CoulombNewton:
     def _extragradient(self, free: Array, shear: Array, slip: Array, length: float) -> tuple[Array, Array, float]:
         """Return traction and slip (2, cells) after two projections, and their step length, shortened as needed.
 
-        `free` is the slip without traction, and `length` the last step length, in place of rho.
+        `free` is the slip without traction, and `length` the last step length, in place of rho. A step is shortened
+        until the slip changes by less than the traction over the length (Khobotov 1987).
         """
         while True:
             half = self._project(shear - length * slip)

@@ -3,8 +3,8 @@
 A step from the traction r to q on the first body slips by ``s = A (q - r) - d``, the slip of the first against the
 second body, with the displacement ``A q`` under traction and the rigid one d of the second against the first body.
 Coulomb's law, ``|q| <= mu p`` with s opposed to q where they are equal and ``s = 0`` elsewhere, makes q the traction of
-least complementary energy ``1/2 (q - r) A (q - r)`` among those with the resultant that is asked for, or less ``d
-sum(q)`` under a given d. Source: Kalker (1990), ch. 4.
+least complementary energy among those with the resultant that is asked for: ``1/2 (q - r) A (q - r)``, minus ``d
+sum(q)`` where d is given. Source: Kalker (1990), ch. 4.
 
 Under a constant pressure a step from one reversal of the force to the next is exact in plane strain, as slip does not
 reverse within it. Source: Mindlin & Deresiewicz (1953), J. Appl. Mech. 20, 327.
@@ -67,7 +67,7 @@ def slip_step(
     limit
         Largest traction (x, y) [Pa] at the end of the step, the coefficient of friction times the pressure.
     reference
-        Traction (component, x, y) [Pa] before the step, and its part that is locked in by a rising pressure, see
+        Traction (component, x, y) [Pa] before the step, plus what a rising pressure locks in, see
         :func:`locked_shear`. It may exceed the limit: what is cut off moves the surface back.
     tolerance
         Largest residual.
@@ -77,8 +77,8 @@ def slip_step(
         Sum of the traction (2,) [Pa] over all cells, smaller in magnitude than that of the limits. Exactly one of
         `total` and `rigid` is given.
     rigid
-        Rigid displacement (2,) [m] of the second against the first body in this step. Above a limit the contact
-        slides fully.
+        Rigid displacement (2,) [m] of the second against the first body in this step. Beyond some magnitude the
+        contact slides fully.
     stretch
         Displacement along x (x, 1) [m] of the first against the second body by bulk strain in this step; None for none.
     """
@@ -136,7 +136,7 @@ class FrettingShear:
     bulk_body
         Index of that body.
     bulk_compliance
-        Its strain over stress [1/Pa], ``(1 - nu^2) / E``.
+        Strain of that body along x over the bulk stress [1/Pa], ``(1 - nu^2) / E``.
     """
 
     coefficient: float

@@ -212,7 +212,8 @@ Tangent = Callable[[Array], Array]
 MAX_ITERATIONS = 40
 # Iterations without a halving of the residual after which a step ends: the tolerance of the contact limits it then.
 STALL_ITERATIONS = 12
-# Smallest fraction of a Newton step that is tried before a step of plain return mapping is taken; a half was seen.
+# Smallest fraction of a Newton step that is tried before a step of plain return mapping is taken; the smallest seen was
+# a half.
 MIN_FRACTION = 1e-3
 # Range of the relative residual of a linear system; in between it is the square root of the residual of the plastic
 # strain (Eisenstat & Walker 1996), so that the convergence stays superlinear. Half or twice of the larger changes the

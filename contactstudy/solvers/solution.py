@@ -304,11 +304,11 @@ class Solution:
     @property
     def load_per_length(self) -> float:
         """Load that the pressure carries, less the adhesive traction, per length that both bodies share [N/m]."""
-        grid, lengths = self.problem.grid, self.problem.covered_fractions
+        grid, covered = self.problem.grid, self.problem.covered_fractions
         load = self.pressure.sum()
         if self.attraction is not None:
             load -= self.attraction.sum()
-        rows = grid.cells[1] if lengths is None else lengths.sum()
+        rows = grid.cells[1] if covered is None else covered.sum()
         return float(load * grid.cell_size[0] / rows)
 
     @property
@@ -324,7 +324,7 @@ class Solution:
 
     @property
     def regularised(self) -> bool:
-        """Return whether the range of adhesion was chosen for the grid, in place of the limit of short ranges."""
+        """Whether the range of adhesion was chosen for the grid, in place of the limit of short ranges."""
         return self.adhesion is not None and self.adhesion.regularised
 
     @property
@@ -336,8 +336,8 @@ class Solution:
     @property
     def mean_gap(self) -> float:
         """Mean gap [m] over the length that both bodies have in common."""
-        lengths = self.problem.covered_fractions
-        return float(self.gap.mean() if lengths is None else np.average(self.gap.mean(axis=0), weights=lengths))
+        covered = self.problem.covered_fractions
+        return float(self.gap.mean() if covered is None else np.average(self.gap.mean(axis=0), weights=covered))
 
     def with_traction(
         self, traction: TangentialTraction, status: Status, residual: float, iterations: int, convolutions: float
@@ -545,7 +545,7 @@ class RollingTraction(TangentialTraction):
         slip = "slip of the first body against the second over the distance rolled"
         return {
             **super().fields(pressure),
-            "slip_x": Field(OF_SURFACE, self.slip[0], "1", f"{slip}, across"),
-            "slip_y": Field(OF_SURFACE, self.slip[1], "1", f"{slip}, along"),
+            "slip_x": Field(OF_SURFACE, self.slip[0], "1", f"{slip}, along x (longitudinal)"),
+            "slip_y": Field(OF_SURFACE, self.slip[1], "1", f"{slip}, along y (lateral)"),
             "power_density": Field(OF_SURFACE, self.power, "W m-2", "frictional power per area"),
         }

@@ -239,8 +239,8 @@ DEPTH = 8
 INNER_REDUCTION = 1e-3
 # Largest tolerance of a solve. From 1e-6 to 1e-2 the convolutions change by a fifth either way.
 FIRST_TOLERANCE = 1e-4
-# Relative change of the pressure in tolerances at which outer iterations end: a displacement that varies more with the
-# pressure than the gap does, as of rubber near its loss peak, turns the tolerance of a solve into so much.
+# Relative change of the pressure in tolerances at which outer iterations end: where the displacement varies more with
+# the pressure than the gap does, as of rubber near its loss peak, it amplifies the error that a solve leaves up to this.
 PRESSURE_CHANGE = 10.0
 
 
@@ -365,7 +365,7 @@ def solve_with_mixing(
     options, start, device
         Method and tolerance of each solve, pressure [Pa] to begin with, and device.
     max_outer
-        Largest number of outer iterations.
+        Largest number of outer iterations; rolling took up to 33.
     progress
         Called after each outer iteration with the change of the gap in it, and with the tolerance.
     """

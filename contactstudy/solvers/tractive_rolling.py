@@ -38,7 +38,7 @@ LEAST_REFINEMENT = 0.5
 # Residual on coarser grids, whose own error is larger. A tenth of it takes up to 8 % more work, ten times it changes the
 # estimated errors by up to a fifth.
 LEVEL_TOLERANCE = 1e-3
-# Outer iterations between pressure and tangential traction of elastically dissimilar bodies, of which 5 were seen.
+# Most outer iterations between pressure and tangential traction of elastically dissimilar bodies; 5 were seen.
 MAX_COUPLED_ITERATIONS = 60
 # Distance [cells] within which the stick-slip boundary is found: errors were at most 0.96 of the bound in 600 line
 # contacts of 28 to 90 cells, a third of them near full sliding and a third near full stick.
@@ -146,10 +146,10 @@ class TractiveShear:
     ) -> tuple[RollingTraction, float, float]:
         """Return the steady traction under a `pressure` (x, y) [Pa], its residual, and the convolutions that it took.
 
-        It begins with the `last` one, which has the errors too, or on coarser grids. A given force enters the projection
-        as a resultant, whose multiplier corrects the creepage.
+        It begins with the `last` one, whose errors it keeps, or on coarser grids, which show them. A given force enters
+        the projection as a resultant, whose multiplier corrects the creepage.
         """
-        if self.force_per_length is not None:
+        if self.force_per_length is not None:  # refuse a force that friction does not transmit
             transmission_status(self.force_per_length, self.coefficient * pressure, grid)
         shear = np.zeros((2, *grid.cells)) if last is None else last.shear
         by_pressure = np.zeros((2, *grid.cells)) if self.coupling is None else self.coupling.displacement(pressure)
@@ -157,7 +157,7 @@ class TractiveShear:
         work, grids = 0.0, coarser_grids(grid) if last is None else [grid]
         for level in grids:
             limit = on_cells(self.coefficient * pressure, level.cells)
-            limit = np.where(limit < 1e-12 * limit.max(), 0, limit)  # without what means over cells round to
+            limit = np.where(limit < 1e-12 * limit.max(), 0, limit)  # without the rounding of means over cells
             dx = float(np.copysign(level.cell_size[0], self.speed))
             elastic_slip = ElasticSlip(self.shear_response(level), dx)
             displacement = on_grid(by_pressure, level)
@@ -205,10 +205,10 @@ class TractiveShear:
         finer = (cells[1:] / cells[:-1]).max(axis=1)
         starts = np.count_nonzero(np.diff(touching, axis=0, prepend=False) & touching)
         contact_length = np.count_nonzero(touching) / starts
-        orders = np.array([1.0, 2.0])[: len(finer)] if len(finer) > 1 else np.array([0.5])
+        divisors = np.array([1.0, 2.0])[: len(finer)] if len(finer) > 1 else np.array([0.5])
         changes = np.abs(np.diff(levels, axis=0))[::-1][:2]
         longitudinal, lateral, creepage, power = (
-            changes / (orders * np.maximum(finer[::-1][:2] - 1, LEAST_REFINEMENT))[:, None]
+            changes / (divisors * np.maximum(finer[::-1][:2] - 1, LEAST_REFINEMENT))[:, None]
         ).max(axis=0)
         *force, found_creepage, found_power = np.abs(levels[-1])
         size = float(np.hypot(*force))
@@ -216,13 +216,14 @@ class TractiveShear:
         part, edge = size / self.coefficient, 2 * STICK_SLIP_BOUNDARY_CELLS / contact_length
         # creepage over that at which all slides, by Carter: part = 1 - (1 - sliding)^2
         sliding = 1 - sqrt(1 - min(part, 1.0))
+        # creepage is known to twice the edge, and force by the derivative of part where twice the edge more sticks
         if self.force_per_length is None:
-            free = size
+            found_force = size
             edge_error = 4 * sliding * (1 - sliding + 2 * edge) * edge / part if part else 0.0
         else:
-            longitudinal, free, edge_error = 0.0, force[1], 2 * edge
+            longitudinal, found_force, edge_error = 0.0, force[1], 2 * edge
         return RollingErrors(
-            force=max(float(np.hypot(longitudinal, lateral)), edge_error * free),
+            force=max(float(np.hypot(longitudinal, lateral)), edge_error * found_force),
             creepage=max(float(creepage), edge_error * found_creepage),
             power=max(float(power), edge_error * found_power),
         )

@@ -35,8 +35,8 @@ if TYPE_CHECKING:
     from contactstudy.answers.lubricated_contact import LubricatedContact
     from contactstudy.evolution.march import TimeSteps
 
-# Most iterations of a film by default, the most refinements of its grid, and the fraction of the requested error for its
-# steps in time, as much as for its cells.
+# Most iterations of a film by default, of which up to 35 were seen, the most refinements of its grid, and the fraction
+# of the requested error for its steps in time, as much as for its cells.
 FILM_ITERATIONS, FILM_REFINEMENTS, STEP_FRACTION = 300, 5, 0.5
 # Relative difference of two extents that is rounding, and of two loads below which a start is that of the same load: of
 # one that differs by more, the note says so.
@@ -46,8 +46,8 @@ LARGEST_STEP_ERROR = 0.3
 # Cells times convolutions that a further grid may take for the numbers of an answer, its estimate left out: about a
 # second by default, and half a minute where an error is requested; and cells that take as long as the call for them.
 DEFAULT_WORK, REQUESTED_WORK, CELLS_OF_A_CALL = 1.5e7, 3e8, 1500
-# Most grids for the numbers, and the largest factor on the cells along an axis from one to the next, beyond which an
-# error extrapolated by its order is a guess.
+# Most grids for the numbers, of which up to 4 were seen, and the largest factor on the cells along an axis from one to
+# the next, beyond which an error extrapolated by its order is a guess.
 REFINEMENTS_OF_NUMBERS, MAX_GROWTH = 5, 4.0
 # Most cells of a grid for the numbers of a contact that slips, whose iterations the convolutions do not count, of one
 # whose stress is asked for, and of a row with the stress of a coated body, of which 2400 take 16 s.
@@ -267,8 +267,9 @@ class _Request:
         """Solve a static contact."""
         from contactstudy.planning.grid_requirements import measured_length_scales
 
-        at_own_points = self.error is None or self.scene.hertz is None
-        on_own_points = at_own_points and measured_length_scales(self.scene) is not None
+        # the points of a measured surface are the cells by default, and of one on a flat (not Hertzian) on request too
+        keeps_points = self.error is None or self.scene.hertz is None
+        on_own_points = keeps_points and measured_length_scales(self.scene) is not None
         # a short attraction has its range from the grid
         if self.grid is not None or on_own_points or self.scene.adhesion is not None:
             return replace(self.solve_problem(self.scene.problem(*self.planned())), requested=self.requested)
@@ -367,9 +368,9 @@ class _Request:
 
         def on(grid: Grid, factor: int = 1) -> "Evolution":
             scene, arguments = self.scene, {"times": times, **named}
-            if error is not None:
+            if error is not None:  # of a pair of steps, about the square of its length
                 arguments["error"] = min(factor**2 * error, LARGEST_STEP_ERROR) if factor > 1 else error
-            if factor > 1:
+            if factor > 1:  # random surfaces as on the first grid
                 scene = with_random_extents(scene, first.extent)
             else:
                 arguments["progress"] = self.progress and Reporter(self.progress).time
@@ -509,7 +510,7 @@ def grid_for_numbers(answer: Any, *, is_default: bool) -> Grid | None:
         if number.order and 1 < number.ratio < inf and not any(part in name for part in left_out):
             # a bound of half order falls faster on coarse cells
             factors.append(max(MARGIN * number.ratio, min(MARGIN * number.finer, MAX_GROWTH)))
-    # iterations grow about as the root of the cells along an axis
+    # in cells: iterations grow about as the root of the cells along an axis
     left = most / answer.counts["convolutions"][0]
     for factor in sorted(factors, reverse=True):
         # those that take as long as a call for them count too

@@ -62,8 +62,8 @@ def _adhesive_stiffness(contact: Contact) -> float:
     pressure under a unit of approach fulfils ``K q = 1`` in contact and ``K q - q / s = 1`` beside it, with the operator
     K from pressure to displacement. The system is symmetric in ``q / root(s)``, and indefinite: at pull-off the
     stiffness is zero, and where a given approach loses stability it is infinite. Where the grid chose the range, six
-    cells in the cohesive zone hold the edge between two cells for a while, where the stiffness is up to a sixth too
-    high: the contact is solved once more with a longer range.
+    cells in the cohesive zone trap the edge between two cells as the load changes, so that the stiffness is up to a
+    sixth too high: the contact is solved once more with a longer range.
     """
     scene: Any = contact.scene
     traction: Any = contact.adhesion
@@ -153,8 +153,8 @@ def distant_approach(
     cylinder between the contact and its axis, if it is loaded opposite to the contact, and ``2 ln(2 d / a) - nu / (1 -
     nu)`` that of a flat body down to a depth d (Johnson 1985, sect. 5.6). Both differ from the approach of half-spaces
     by a constant times the load, whatever the surfaces are like. Here P is the load per length, R the radius, a the
-    half-width and nu Poisson's ratio. On a roller that ends, the constant is that of its
-    pressure, at mid-length. In a coated body c changes with the distance; the change is part of the bound.
+    half-width and nu Poisson's ratio. On a roller that ends, the constant is that of its pressure, at mid-length. In a
+    coated body c changes with the distance; the change is part of the bound.
 
     Parameters
     ----------
@@ -248,6 +248,6 @@ def _distant_displacement(contact: Contact, solid: Body, distance: float, datum:
 
 
 def _of_line(body: CoatedHalfSpace, datum: float) -> float:
-    """Return the displacement [1/Pa] per unit load on a line that makes the surface stand still at `datum` [m]."""
+    """Return the rigid displacement that keeps a surface at rest at a `datum` [m] from a line load, over that [1/Pa]."""
     response: Mapping[Any, float] = body.response(datum)
     return float(sum(weight * kind.rigid_shift(1.0) for kind, weight in response.items()))

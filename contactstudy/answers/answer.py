@@ -1,7 +1,7 @@
 """What every answer has: status, grid, quantities, their bounds, and whether these keep a requested error.
 
 A quantity is a number of an answer, such as the peak pressure, with its unit and the bound of its error; it is known by
-a name. Where a law is known of a number, of its straight edges, its peak or its images, that is its bound; all others
+a name. Where a law gives the error of a number, by its straight edges, peak or images, that is its bound; all others
 are bounded by the same scene on a half, a third and a quarter of the cells, with longer steps. A request is the error
 not to exceed, for all numbers or by name. The error in L1 is that of the pressure: the mean of its absolute value over
 the mean pressure. What each kind of answer computes is in its own module.
@@ -95,12 +95,12 @@ def with_nested_bounds(
         Reasons of numbers without a bound that get one.
     edge_fraction
         Fraction of the cells in contact that lie at its edge: the boundary of a stick zone is known to a row of cells,
-        and the place of a pressure that lags behind the load to a part of one.
+        and a rolling resistance to half of this fraction.
     order
         Power of the cell size with which errors fall; beside an edge it is `EDGE_ORDER` at most.
     wider
-        Numbers of a film on half the cells over twice the width; None elsewhere. Half the cells over the same width tell
-        with them the error of a finite inlet.
+        Numbers of a film on half the cells over twice the width; None elsewhere. Their change from half the
+        cells over the same width shows the error of a finite inlet.
     zone_edge
         Fraction of the cells of a plastic zone that lie at its edge.
     unseen
@@ -147,6 +147,7 @@ def with_nested_bounds(
             bound = errors.MARGIN * max(change, floor * size) + inlet + others * size
             if name.endswith("stick_fraction"):
                 bound = max(bound, edge_fraction)
+            # a value that the largest may have as well, elsewhere or between the cells
             reach = max((value for value, _ in quantity.rivals), default=quantity.value)
             bound = max(bound, reach - quantity.value)
             reason = "" if bound else RELATIVE_TO_ZERO
@@ -162,6 +163,7 @@ def with_nested_bounds(
     for name, depth in bounded.items():
         largest = bounded.get(DEPTH.sub("", name), depth)
         if largest is not depth and isfinite(depth.bound):
+            # the depth may be that of any value within the bound of the largest
             within = largest.value - largest.bound
             away = [abs(at - depth.value) for value, at in largest.rivals if value >= within]
             bounded[name] = replace(depth, bound=max(depth.bound, *away, 0.0))
@@ -200,9 +202,10 @@ def _is_at_edge(name: str) -> bool:
 
 
 # Ends of the names of numbers for which finer cells are no remedy: the depth of a largest stress is known only to the
-# distance between the depths at which stress is computed, and so is the last part of the stress itself.
+# distance between the depths at which stress is computed. For that, the bound of the stress has a least change too.
 NOT_BY_CELLS = "safety_factor_depth", "von_mises_depth", "shear_stress_depth", "orthogonal_shear_depth"
-# What is in the names of numbers for which no grid is refined unless they are named.
+# What is in the names of numbers for which no grid is refined unless they are named: stresses of fatigue and numbers at
+# an edge, which take many more cells, and margins of parts of a coated body, which follow from their von Mises stress.
 NOT_REFINED = "shear_stress", "orthogonal_shear", "_safety_factor", *AT_EDGE
 # Names of components, with the whole quantity: the error of a component is relative to the whole, if that is larger.
 WHOLE = {"lateral_traction_coefficient": "traction_coefficient"}

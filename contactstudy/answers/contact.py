@@ -273,7 +273,7 @@ class Contact(Answer, Solution):
         return dataset.assign_attrs(accuracy=self.accuracy)
 
     def dataset_to_draw(self) -> "xr.Dataset":
-        """Return the dataset with the loop of force and displacement of a contact that frets, by some 17 solves."""
+        """Return the dataset with the loop of force and displacement of a contact that frets, of seven solves a step."""
         dataset = self.to_dataset()
         from contactstudy.io.dataset import fretting_loop
 

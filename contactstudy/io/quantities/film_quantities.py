@@ -117,8 +117,7 @@ def film_quantities(contact: "FilmSolution", l1: ErrorParts) -> dict[str, Quanti
     estimate, paddings = ErrorEstimate(l1, of_peak), across_and_along(contact.padding)
     stresses = stress_quantities(contact.scene, contact.derived, contact.grid, estimate, paddings)
     # the orthogonal shear stress lies deeper than a spike acts: on 200 films its changes between grids bounded it,
-    # while those of other stresses were up to 12 times too small; their reason is worded anew, with "of the spike" in
-    # it
+    # while those of other stresses were up to 12 times too small; stresses have reasons of their own with these words
     below_spike = {
         name: replace(of, reason=reason)
         for name, of in stresses.items()

@@ -2,8 +2,8 @@
 
 Most tables of a file have the fields of the class that they describe as keys. Where a file says more, or otherwise, a
 class here has its keys, and its method ``described(folder, context)`` returns what they describe: paths of files start
-at the `folder` of the scene file, and the `context` is the sum of the curvatures [1/m] of the scene's shapes, and both
-bodies.
+at the `folder` of the scene file, and the `context` is the sum of the curvatures across [1/m] of the scene's shapes, and
+both bodies.
 """
 
 import re
@@ -150,7 +150,7 @@ def with_materials(table: Mapping[str, Any]) -> dict[str, Any]:
     return dict(table) | {"solids": [solid(entry, f"solids[{n}]") for n, entry in enumerate(solids)]}
 
 
-# Sum of the curvatures [1/m] of the shapes, and the bodies, of the scene to which a shape belongs.
+# Sum of the curvatures across [1/m] of the shapes, and the bodies, of the scene to which a shape belongs.
 ProfileContext = tuple[float, tuple[Body, Body]]
 
 
@@ -307,7 +307,7 @@ class LundbergProfileTable:
         curvature, solids = context
         if curvature <= 0:
             raise InvalidInput("LundbergProfile.for_load is for a round roller: give a Cylinder.")
-        modulus = hertz_line(self.for_load, 1 / curvature, solids).contact_modulus  # of a coat, by the half-width
+        modulus = hertz_line(self.for_load, 1 / curvature, solids).contact_modulus  # at the half-width
         even = roller.LundbergProfile.for_load(
             self.for_load, contact_modulus=modulus, radius=1 / curvature, length=self.length
         )

@@ -138,7 +138,7 @@ class _Reader:
     def _described(self, path: str, value: object, kinds: Mapping[str, type]) -> Any:
         """Return a table, or the name of a kind, as the dataclass of the `kinds` that its key `kind` or its keys choose.
 
-        An unknown key is refused, and the key that it likely stands for is not missing.
+        An unknown key is refused, and the key that it likely stands for is not said to be missing besides.
         """
         if is_dataclass(value):
             return value
@@ -159,6 +159,7 @@ class _Reader:
             elif member.default is MISSING and member.default_factory is MISSING and name not in meant:
                 self.refusals.append(f"{key}: it is missing: {self._needed(key, hint)}.")
         if unknown:
+            # reversed, so that the first kind which has a key is its owner
             owners = {key: name for name, kind in reversed([*kinds.items()]) if name for key in parameters(kind)}
             sentences = "; ".join(_unknown(key, names, owners.get(key)) for key in unknown)
             self.refusals.append(f"{path}: {sentences}.".removeprefix(": "))
@@ -219,7 +220,7 @@ def _kind_of(path: str, table: Mapping[str, object], kinds: Mapping[str, type]) 
     counts = {kind: len(keys.intersection(parameters(kind))) for kind in named.values()}
     most = [kind for kind, count in counts.items() if count == max(counts.values())]
     if len(most) > 1 and kinds.get(NO_KIND) not in most:
-        raise InvalidInput(_at(path, f"it has no kind: {suggestion('None', named)}."))
+        raise InvalidInput(_at(path, f"it has no kind: {suggestion('None', named)}."))  # lists all kinds
     return most[0] if len(most) == 1 else kinds[NO_KIND]
 
 
@@ -305,7 +306,7 @@ def scene_text(
     settings: Mapping[str, object] | None = None,
     scene_path: Path | None = None,
 ) -> str:
-    """Return the TOML of `scene`, with its grid, its padding and the tables of `settings` if they are given.
+    """Return the TOML of `scene`, with its grid, its padding and the `settings`, tables by name, if they are given.
 
     Heights that came from no file are written to files next to the path `scene_path`; without it their digest stands in
     their place.

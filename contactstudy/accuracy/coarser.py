@@ -179,7 +179,8 @@ def straight_edges(pressure: Array) -> StraightEdges | None:
 # Change of a maximum over its second difference with the places of the edges in their cells: 1/16 in closed form
 # between two straight edges that fall alike; a third more for edges that are neither straight nor alike.
 EDGE_EFFECT = 1 / 12
-# The same where the maximum lies within two cells of an edge, where no parabola holds: four times as much.
+# The same where the maximum lies within two cells of an edge, where no parabola holds: four times as much. Cylinders
+# three and four cells across needed 0.05; edges that are not straight may need more.
 EDGE_EFFECT_BESIDE = 1 / 3
 # Uncertainty, in cells, of the place of an edge that is not straight: it may lie anywhere in its cell, half a cell to
 # either side of the middle.

@@ -70,7 +70,8 @@ STRESS_BY_JUMP = 0.8
 GAP_BY_L1 = 0.1
 # Largest cell over the thickness of a coating with which the grid resolves the shear stress at its interface.
 CELL_AT_INTERFACE = 0.5
-# Relative change of an attraction from cells of twice the size above which two grids show no limit of it.
+# Relative change of an attraction from cells of twice the size above which two grids show no limit of it: its bound
+# would be three quarters of it.
 RESOLVED_CHANGE = 0.5
 # Numbers whose errors, besides what the estimate says, are shown by their changes between grids; without adhesion the
 # contact area too.

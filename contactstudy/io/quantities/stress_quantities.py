@@ -195,9 +195,9 @@ def _mises_quantities(
 ) -> dict[str, Quantity]:
     """Return the largest von Mises stress in a part, its depth, and the margin to yield where the strength is known.
 
-    The largest stress is that of the field `von_mises` (z, x, y) [Pa] at its `samples`, and the margin that of the body
-    with this `index` in the scene. Of a body whose strength varies with depth there is the depth of the least margin
-    too, which lies in the weakest of its `parts`. Labels end with `at`.
+    The largest stress, and the margin by it, are those of the field `von_mises` (z, x, y) [Pa] at its `samples`, and not
+    of a parabola. The body has this `index` in the scene. Where its strength varies with depth there is the depth of the
+    least margin too, which lies in the weakest of its `parts`. Labels end with `at`.
     """
     found = _with_depth(part.name_of_mises, f"largest von Mises stress {at}", von_mises, samples)
     found[part.name_of_mises] = largest = replace(found[part.name_of_mises], value=float(von_mises.max()))

@@ -179,7 +179,7 @@ class MeasuredSurface:
         return replace(self, heights=np.rot90(self.heights), extent=extent, file=file, is_turned=turned)
 
     def with_extent_of(self, grid: Grid) -> Self:
-        """Return this surface with an extent, that of the cells of `grid` if it had none, so that others can hold it."""
+        """Return this surface with an extent, by the cells of `grid` if it had none, so that other grids can hold it."""
         if self.extent is not None:
             return self
         width, length = grid.extent

@@ -128,7 +128,10 @@ class FreeFaceCoefficients(BoussinesqCoefficients):
 
 @dataclass(frozen=True)
 class _Axis:
-    """Axis of a grid: number of `cells`, their size `step` [m], `period` [m] of the images, and its padding."""
+    """Axis of a grid: number of `cells`, their size `step` [m], `period` [m] of the images, and its padding.
+
+    The window of a padding has the numbers of the periods with an image, 0 for the cell itself; None has all.
+    """
 
     cells: int
     step: float

@@ -347,7 +347,7 @@ def roll_repeatedly(
     solution = solved_or_unloaded(options, problem)
     contact: Contact = partial(_unchanged, solution)
     tangent = None
-    if rolling.pressure != "elastic":
+    if rolling.pressure != "elastic":  # else the pressure of the elastic contact is kept
         contact = WarmStartedContact(problem, options, solution.pressure)
         tangent = partial(contact_tangent, precision=Precision(options.precision))
     roller = _Rolling(
@@ -439,6 +439,7 @@ class _Rolling:
             steps.append(step)
             profiles.append(track.left_profile)
             report(min((len(profiles) - 1) / least_steps, 1.0))
+            # both profiles entered the grid in this pass
             if len(profiles) > grid.cells[0] + self.lag:
                 references = profiles[-1 - self.lag], track.behind
                 earlier = [with_zero_layers(profile, track.operator.volume.shape[0]) for profile in references]

@@ -44,11 +44,12 @@ class VonMisesPlasticity:
         return np.asarray(2 / 3 * (self.isotropic + self.kinematic))
 
     def return_mapping(self, stress: Array, strain: Array, strain_n: Array, equivalent_n: Array) -> "ReturnMapping":
-        """Return the plastic strain that puts the trial stress, of the `stress` at `strain`, onto the yield surface.
+        """Return the plastic strain that puts the trial stress onto the yield surface.
 
-        `strain_n` (C, cells) and `equivalent_n` (cells,) are the plastic strain and its equivalent at the start of the
-        step. This radial return (Simo & Hughes 1998, box 3.1) is one proximal-gradient step, of length 1 / 2G, on the
-        energy.
+        `stress` (C, cells) [Pa] is that with the plastic `strain`; the trial stress is that of a cell without flow in
+        the step, ``stress + 2G (strain - strain_n)``, less the back stress. `strain_n` and `equivalent_n` (cells,) are
+        the plastic strain and its equivalent at the start of the step. This radial return (Simo & Hughes 1998, box 3.1)
+        is one proximal-gradient step, of length 1 / 2G, on the energy.
         """
         trial = stress + self.twice_shear_modulus * (strain - strain_n) - (2 / 3) * self.kinematic * strain_n
         norm = np.sqrt(np.einsum("ck,ck->k", trial, trial))
@@ -338,7 +339,8 @@ class _State:
     The `residual` r (C, cells) is the strain less the mapped one, `residual_norm` the largest of it in units of yield
     stress over Young's modulus. The `energy` [J] is the forward-backward envelope ``f(strain) + g(mapped) - <grad f, r>
     + G |r|^2``, with the potential g of the step and ``grad f = -stress``: f is the energy of the residual stress less
-    the complementary energy of the contact. `incremental_energy` [J] is its part that does not depend on the contact.
+    the work of the outer stress and the complementary energy of the contact. `incremental_energy` [J] is the first part
+    of f, with g.
     """
 
     strain: Array

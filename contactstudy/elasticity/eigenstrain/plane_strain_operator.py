@@ -38,7 +38,7 @@ class Moduli:
 
     @property
     def shear(self) -> float:
-        """Shear modulus ``G = E / (2 (1 + nu))`` [Pa]."""
+        """Shear modulus ``E / (2 (1 + nu))`` [Pa]."""
         return self.youngs_modulus / (2 * (1 + self.poisson_ratio))
 
     @property
@@ -96,7 +96,7 @@ class EigenstrainOperator(Protocol):
 
     Methods speak of three maps. S gives the stress under a pressure, its transpose S^T the displacement by a strain, and
     B minus the residual stress by a strain: in the inner product of cell volumes B is symmetric, with eigenvalues above
-    0 and below 2 G, twice the shear modulus.
+    0 and below twice the shear modulus.
     """
 
     @property

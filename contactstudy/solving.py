@@ -437,9 +437,8 @@ class _Request:
         for _ in range(FILM_REFINEMENTS if error is not None else 0):
             assert error is not None
             self.report_bounds(answer)
-            finer = film_plan.finer_film_grid(
-                answer.grid, first, answer.requested_errors, error, most_cells, None if smooth else first
-            )
+            kept = None if smooth else first  # the extent of a rough surface, or of a grid that is given, is kept
+            finer = film_plan.finer_film_grid(answer.grid, first, answer.requested_errors, error, most_cells, kept)
             if finer is None:
                 break
             answer = solve_on(finer, answer)

@@ -328,7 +328,8 @@ class _LaggedState(NamedTuple):
     """Contact under a displacement, the `iterate` (x, y) [m], and the `image` (x, y) [m] that its pressure makes.
 
     `gap_change` is the change from one to the other in the contact, in units of ``problem.scales.gap``, and
-    `pressure_change` that of the pressure from the contact before, relative in L1.
+    `pressure_change` that of the pressure from the contact before, relative in L1. `converged` is as
+    :func:`solve_with_mixing` says.
     """
 
     solution: Solution

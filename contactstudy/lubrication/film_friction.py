@@ -54,7 +54,7 @@ MAX_THERMAL_LOADING, TEMPERATURE_RESIDUAL = 10.0, 1e-6
 # Relative residual of the temperature where Newton's steps stop, and the difference [K] for the derivative of the heat.
 RISE_TOLERANCE, TEMPERATURE_STEP = 1e-9, 1e-3
 # Passes over temperatures and slip at most, the change of the slip over the sliding speed where they stop, and that
-# above which Newton's method begins anew.
+# above which Newton's method begins anew; with 0.003 to 0.3 friction and temperatures are the same.
 MAX_PASSES, SLIP_TOLERANCE, NEW_START = 20, 1e-6, 0.01
 # Change of the heat with the temperature over the largest, up to which Newton's method leaves it out, as in the inlet:
 # films at slide-roll ratios of 1 to 1.95 and rises of up to 320 K were the same to 1e-11.

@@ -78,7 +78,7 @@ class FilmControls:
     max_iterations
         The most steps.
     time_step
-        First step in pseudo-time [a / u_m].
+        First step in pseudo-time [a / u_m]; with half and twice, cold starts took about as many steps.
     progress
         Called with the iteration so far after each step.
     """

@@ -44,10 +44,10 @@ STARVED, UNRESOLVED_RISE = 0.05, 0.5
 # took 1.3 to 4 times as long, and ten times it needed hundreds of linear iterations in its first steps.
 STEP_AFTER_COARSER = 0.3
 # In plane strain a second film is sought where the rms height is more than ROUGH times the film, by heights that grow
-# from that by the factor GROWTH: of waves of a quarter to one half-width at M = 20 to 200, L = 0 to 5 one had two
-# films, from 1.75 times the film on. Two films are distinct by more than DISTINCT in their mean thickness, relative, or
-# in the part of the load that asperities carry.
-ROUGH, GROWTH, DISTINCT = 2.0, 1.25, 0.01
+# from LOWEST times the film by the factor GROWTH: waves at M = 30 to 100, L = 0 had two from 1.3 times the film on. From
+# one or two times the film the cold start found the same film as at the full height. Two films are distinct by more
+# than DISTINCT in their mean thickness, relative, or in the part of the load that asperities carry.
+ROUGH, LOWEST, GROWTH, DISTINCT = 1.0, 0.5, 1.25, 0.01
 # Continuation in speed where no cold start converges, without and with asperities: factor of a step, most increases,
 # and least factor of a decrease. Those with asperities, and the constants below, were chosen by what converges on
 # ridges at 1 to 1e-6 times a speed, at which Moes's load parameter was 20 and 100.
@@ -230,8 +230,8 @@ def _other_films(posed: PosedFilm, controls: FilmControls) -> Iterator[FilmItera
         return
     smooth = posed.x[:, None] ** 2 / 2
     heights, last = posed.equation.gap - smooth, None
-    number = ceil(log(posed.relative_roughness / ROUGH) / log(GROWTH))
-    for fraction in np.geomspace(ROUGH / posed.relative_roughness, 1, number + 1):
+    number = ceil(log(posed.relative_roughness / LOWEST) / log(GROWTH))
+    for fraction in np.geomspace(LOWEST / posed.relative_roughness, 1, number + 1):
         lower = replace(posed, equation=replace(posed.equation, gap=smooth + fraction * heights))
         if last is None:
             last = _nested(lower, controls)

@@ -63,11 +63,12 @@ def test_friction_that_no_lubricant_bears_has_no_bound_and_names_the_limit() -> 
     assert with_limit.judged["friction_coefficient"].ratio <= 1
 
 
-def test_several_films_between_high_ridges_are_reported() -> None:
-    """Transverse waves at a fifth of the smooth film over their rms height, isoviscous."""
-    film = solve_lubricated(by_moes(100, 0), grid(256, 1.5)).central_film
-    waves = cs.Waviness(np.sqrt(2) * 5 * film, across=A / 4)
-    contact = solve_lubricated(by_moes(100, 0, waves), grid(512, 1.5))
+@pytest.mark.parametrize(("load", "height", "wavelength"), [(100, 5, A / 4), (30, 2.2, A / 2), (50, 4, A / 2)])
+def test_several_films_between_high_ridges_are_reported(load: float, height: float, wavelength: float) -> None:
+    """Transverse waves with their rms height over the smooth film, isoviscous."""
+    film = solve_lubricated(by_moes(load, 0), grid(256, 1.5)).central_film
+    waves = cs.Waviness(np.sqrt(2) * height * film, across=wavelength)
+    contact = solve_lubricated(by_moes(load, 0, waves), grid(512, 1.5))
     assert contact.status is cs.Status.SEVERAL_FILMS
 
 

@@ -63,7 +63,8 @@ UNCONVERGED_RISE = 1.5
 # cells, with 0.1 and 3 three times as many; on 256 x 64 it converges, without it the residual stayed at 5e-2.
 ARTIFICIAL_COMPRESSIBILITY, NEAR_CONTACT = 0.3, 2.0
 # A cell enters the contact where its film is thinner than the boundary film by this fraction, which is above the
-# rounding of heights; and the largest residual that counts as rounding.
+# rounding of heights; and the largest residual that counts as rounding, which is up to 2e-8 in smooth films of M = 20
+# to 3000.
 CONTACT_TOLERANCE, MAX_ROUNDING = 1e-9, 1e-3
 
 

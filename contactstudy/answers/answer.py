@@ -1,10 +1,10 @@
 """What every answer has: status, grid, quantities, their bounds, and whether these keep a requested error.
 
 A quantity is a number of an answer, such as the peak pressure, with its unit and the bound of its error; it is known by
-a name. Where a law gives the error of a number, by its straight edges, peak or images, that is its bound; all others
+a name. Where a law gives the error of a number, by straight edges, the peak or images, that is its bound. All others
 are bounded by the same scene on a half, a third and a quarter of the cells, with longer steps. A request is the error
-not to exceed, for all numbers or by name. The error in L1 is that of the pressure: the mean of its absolute value over
-the mean pressure. What each kind of answer computes is in its own module.
+not to exceed, for all numbers or by name. The error in L1 is the mean absolute error of the pressure over the mean
+pressure. What each kind of answer computes is in its own module.
 """
 
 import re
@@ -40,18 +40,18 @@ OF_STRESS = "von_mises", "safety_factor", "shear_stress", "orthogonal_shear"
 OF_EDGES = "contact_area", "half_width", "mean_pressure", "contact_fraction"
 # At the beginning of the names of numbers that plastic strain alone leaves behind.
 BY_YIELD = "dent_depth", "shoulder_height", "highest_residual_stress", "lowest_residual_stress"
-# Ends of the names of numbers that lie at an edge, of the plastic zone, the contact or its stick zone, beside which
-# fields fall like the square root of the distance.
+# Ends of the names of numbers at the edge of a plastic zone, a contact or its stick zone. Beside it fields fall like
+# the square root of the distance.
 AT_EDGE = "highest_residual_stress", "surface_tension", "largest_shear"
 # In the name of a depth, before the index of a body where it has one.
 DEPTH = re.compile(r"_depth(?=(_\d)?$)")
-# Factor on the change between grids of numbers that have a law of their own too, of which the larger bound counts: half
-# of `errors.MARGIN` for a peak pressure, and a third of it for a pull-off, since the law bounds them as well.
+# Factor on the change between grids of numbers that have a law of their own too; the larger bound of both counts. It is
+# half of `errors.MARGIN` for a peak pressure and a third for a pull-off, since the law bounds them as well.
 BESIDE_LAW = {"peak_pressure": 0.75, "pull_off": 0.5} | dict.fromkeys(
     ("traction_coefficient", "creepage", "frictional_power", "largest_slip", "friction_energy"), errors.MARGIN
 )
-# Power of the cell size with which errors fall beside an edge up to which a pressure rises, as at a flat with rounded
-# edges: like the inverse square root of the distance, down to the rounding.
+# Power of the cell size with which errors fall of a pressure that is highest beside an edge, as at a flat with rounded
+# edges. It rises like the inverse square root of the distance, down to the rounding.
 RISING_ORDER = 0.5
 NO_COARSER_YIELD = "No bound: nothing yields on half the cells, give more."
 
@@ -104,8 +104,8 @@ def with_nested_bounds(
     zone_edge
         Fraction of the cells of a plastic zone that lie at its edge.
     unseen
-        Relative errors that no change shows, by name; those of other numbers are the causes of `l1` but the cells, and
-        twice the least change.
+        Relative errors that no change shows, by name, beside which half of the least change by `l1` is enough. Other
+        numbers have the causes of `l1` but the cells in their place.
     of_stress
         Relative errors that no change of a largest stress shows, by name, beside those causes.
     by_law
@@ -202,10 +202,10 @@ def _is_at_edge(name: str) -> bool:
 
 
 # Ends of the names of numbers for which finer cells are no remedy: the depth of a largest stress is known only to the
-# distance between the depths at which stress is computed. For that, the bound of the stress has a least change too.
+# distance between the depths at which stress is computed. Hence the bound of the stress has a least change too.
 NOT_BY_CELLS = "safety_factor_depth", "von_mises_depth", "shear_stress_depth", "orthogonal_shear_depth"
-# What is in the names of numbers for which no grid is refined unless they are named: stresses of fatigue and numbers at
-# an edge, which take many more cells, and margins of parts of a coated body, which follow from their von Mises stress.
+# What is in the names of numbers for which no grid is refined unless a request names them. Stresses of fatigue and
+# numbers at an edge take many more cells; margins of parts of a coated body follow from their von Mises stress.
 NOT_REFINED = "shear_stress", "orthogonal_shear", "_safety_factor", *AT_EDGE
 # Names of components, with the whole quantity: the error of a component is relative to the whole, if that is larger.
 WHOLE = {"lateral_traction_coefficient": "traction_coefficient"}
@@ -260,7 +260,7 @@ class Judged:
 def judged_numbers(quantities: Quantities, request: Request | None) -> dict[str, Judged]:
     """Return the numbers that a request speaks of, by name: all that have an error if it names none.
 
-    A name of the request stands for the number of that name and for all that end with it, so that ``von_mises`` is the
+    A name of the request stands for the number of that name, else for all that end with it: ``von_mises`` names the
     largest stress of the body, of its coating and of its substrate.
 
     Raises
@@ -553,8 +553,8 @@ class Answer(InNotebook):
         )
 
 
-# Function of a factor k, and for a film of a multiple of the width, that solves the same scene on 1 / k of the cells
-# along each axis, in time with steps k times as long.
+# Function that solves the same scene on 1 / k of the cells along each axis, and in time with steps k times as long. Its
+# arguments are k, and for a film a multiple of the width.
 Coarser = Callable[..., Answer]
 
 

@@ -1,6 +1,6 @@
 """The answer for a dry contact: its solution, the bounds of its errors, and its numbers.
 
-The errors follow from the contact itself by laws, and from the same scene on 1 / k of the cells along each axis, which
+The errors follow from the contact itself by laws, and from the same scene on 1 / k of the cells along each axis. That
 is solved when a bound is first asked for. A contact may be a frame, the state at one instant of an evolution. An output
 is a further result that the scene names, such as the stress below the surface; its fields are called derived.
 """
@@ -88,7 +88,7 @@ class Contact(Answer, Solution):
             return ErrorEstimate(unknown)
         try:
             if self.rolling is not None and self.estimate is None:
-                # the range of an attraction may be that of the grid
+                # the range of an attraction may be chosen for the grid, so that half the cells have another scene
                 half = self._below.get(2) if self.adhesion is None else None
                 return self.rolling.error_estimate(half)
             if self._depends_on_history or self.status.is_failure or not self.pressure.any():

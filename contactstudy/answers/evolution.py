@@ -1,7 +1,7 @@
 """The answer for a scene that changes in time, or rolls repeatedly: a sequence of answers (frames) with times.
 
 A frame is the answer for one instant, or after one pass. Bounds of its errors by the cells are known at once for some
-methods; those of others, and of numbers of the whole evolution, follow from the same evolution on coarser cells.
+methods. Those of others, and of numbers of the whole evolution, follow from the same evolution on coarser cells.
 """
 
 from collections.abc import Iterable, Mapping

@@ -1,4 +1,4 @@
-"""Friction of a film: its shear stress by sliding, and if it is heated the temperatures of film and surfaces.
+"""Friction of a film: shear stress by sliding, and in a heated film the temperatures of film and surfaces.
 
 An isothermal film needs :class:`ShearedFilm` alone. The steps of a heated one:
 
@@ -33,8 +33,8 @@ from contactstudy.lubrication.film_equation import FilmScales
 from contactstudy.scene.lubrication import FilmHeat, ThermalBody
 from contactstudy.scene.solids.bodies import Body, Layered
 
-# Least slip at which a stress is evaluated, over the sliding speed: below it the stress is taken as linear, for a slip
-# may be zero or, between Newton's steps, negative.
+# Least slip at which a stress is evaluated, over the sliding speed. Below it the stress is linear, for a slip may be
+# zero or, between Newton's steps, negative.
 LEAST_SLIP = 1e-9
 # Slip below which asperities stick, over the sliding speed. Their friction grows linearly up to it, which makes the
 # stress a continuous function of the slip. The friction of a mixed film is the same with 1e-7 and 1e-3.
@@ -47,17 +47,17 @@ MAX_STEPS, SHEAR_TOLERANCE = 100, 1e-7
 # Largest logarithm of the viscosity over that at zero pressure that enters the friction: exp(300) is 1e130, and the
 # product with a slip remains a number.
 MAX_GROWTH = 300.0
-# Largest thermal loading ``L = beta eta0 u_m^2 / k_f`` at which the heating of the inlet is known, by the formula of
-# Gupta et al. (1992), and the largest residual of temperatures that count as converged. Here beta is the temperature
-# coefficient of the viscosity eta0, u_m the mean speed, and k_f the thermal conductivity of the lubricant.
+# Largest thermal loading ``L = beta eta0 u_m^2 / k_f`` at which the formula of Gupta et al. (1992) gives the heating of
+# the inlet. Largest residual of temperatures that count as converged. Here beta is the temperature coefficient of the
+# viscosity eta0, u_m the mean speed, and k_f the thermal conductivity of the lubricant.
 MAX_THERMAL_LOADING, TEMPERATURE_RESIDUAL = 10.0, 1e-6
 # Relative residual of the temperature where Newton's steps stop, and the difference [K] for the derivative of the heat.
 RISE_TOLERANCE, TEMPERATURE_STEP = 1e-9, 1e-3
-# Passes over temperatures and slip at most, the change of the slip over the sliding speed where they stop, and that
-# above which Newton's method begins anew; with 0.003 to 0.3 friction and temperatures are the same.
+# Most passes over temperatures and slip, the change of the slip over the sliding speed where they stop, and that above
+# which Newton's method begins anew. With NEW_START from 0.003 to 0.3 friction and temperatures are the same.
 MAX_PASSES, SLIP_TOLERANCE, NEW_START = 20, 1e-6, 0.01
-# Change of the heat with the temperature over the largest, up to which Newton's method leaves it out, as in the inlet:
-# films at slide-roll ratios of 1 to 1.95 and rises of up to 320 K were the same to 1e-11.
+# Newton's method leaves out a change of the heat with the temperature below this fraction of the largest, as in the
+# inlet. Films at slide-roll ratios of 1 to 1.95 and rises of up to 320 K were the same to 1e-11.
 NO_SLOPE = 3e-3
 # Points in a cell, and widths of the grid in a period, for the waves of heat in a coating. With glass on steel the
 # points leave out 4e-4 of the largest temperature rise, half as many 2e-3; half or twice the period change it by 3e-7.
@@ -115,9 +115,9 @@ class ShearedFilm:
         """Return stress [Pa] and slip [m/s], both at least zero, in series with the bodies' tangential compliance.
 
         Surfaces enter unsheared, and ``slip = du - u_m C dtau/dx`` (Johnson & Tevaarwerk 1977), with the sliding speed
-        du, the mean speed u_m, the shear stress tau and the compliance C. C is that of a Winkler foundation,
-        ``4 a / (pi E*)``, on which bodies of the radius R that stick at the slide-roll ratio S on the half-width a have
-        Carter's (1926) coefficient of friction, 2 S R / a.
+        du, the mean speed u_m, the shear stress tau and the compliance C. With the half-width a, C is
+        ``4 a / (pi E*)``, that of a Winkler foundation. On it bodies of the radius R that stick at the slide-roll ratio
+        S have Carter's (1926) coefficient of friction, 2 S R / a.
 
         Newton's method converges from above, as the stress is a concave function of the slip; after `MAX_STEPS` its last
         values are returned.
@@ -156,9 +156,8 @@ class FilmTemperatures:
     """Temperature rises [K] over the temperature of the lubricant's supply.
 
     ``surface`` (body, x, y) is that of the surfaces, ``film`` (x, y) the mean over the thickness. ``reduction`` is the
-    film thickness with a heated inlet over that without, ``loading`` the thermal loading parameter of the inlet,
-    ``residual`` the relative difference between the temperatures and those that follow from the heat generated at these
-    temperatures.
+    film thickness with a heated inlet over that without, ``loading`` the thermal loading parameter of the inlet.
+    ``residual`` is the relative difference between the temperatures and those by the heat that is generated at them.
     """
 
     surface: Array
@@ -326,7 +325,7 @@ def thermal_loading(scales: FilmScales, heat: FilmHeat) -> float:
 def thermal_reduction(scales: FilmScales, heat: FilmHeat, supply: float = inf) -> float:
     """Return the film thickness with a heated inlet over that of an isothermal inlet, by Gupta et al. (1992).
 
-    An approximation, whose factor of the load, ``1 - 13.2 p_H / E' L^0.42``, is at least 0.1 here: up to L = 10 it is
+    An approximation. Its factor of the load, ``1 - 13.2 p_H / E' L^0.42``, is at least 0.1 here: up to L = 10 it is
     above that for ``p_H`` below 0.025 E', 5.7 GPa of steel. Zhou & Hoeprich (1991), eq. 21, and Arana et al.
     (2019), eq. 24, give the same coefficients. A starved film is as thick as its ``supply`` [m], unless the flooded
     film by Moes with a heated inlet is thinner; the supply is infinite for a flooded film.
@@ -363,8 +362,8 @@ def _of_coating(grid: Grid, body: ThermalBody, coating: ThermalBody, speed: floa
     """
     (nx, _), (cell, _) = grid.cells, grid.cell_size
     fine = FINE_CELLS * FINE_PERIODS * nx
-    # the rise times exp(-shift x), so that what the period wraps is small; the mean has m^2 = shift (rate - shift) > 0
-    # with the least rate, slowest: a half or an eighth of it changes what a coating adds by 2e-5
+    # the rise times exp(-shift x), so that what the period wraps is small. The mean has m^2 = shift (rate - shift) > 0,
+    # since shift is a quarter of the slowest rate at most: a half or an eighth changes the result by 2e-5
     slowest = min(abs(speed) * material.heat_capacity / material.conductivity for material in (body, coating))
     shift = np.sign(speed) * min(1 / (nx * cell), slowest / 4)
     wave = 2 * np.pi * np.fft.rfftfreq(fine, cell / FINE_CELLS) - 1j * shift

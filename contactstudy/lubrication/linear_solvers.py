@@ -2,9 +2,10 @@
 
 By elasticity all cells act on each other. The preconditioner has two multiplicative stages. The Fourier stage inverts
 the system averaged over the length, one harmonic at a time: it has the elasticity of long range. In its average, the
-equation of a touching cell is that of its film thickness. The local stage solves for what that leaves, with the
-coefficients of a cell and its neighbours and a small fraction of the elasticity: it has the variation of the
-conductance by orders of magnitude. The equations of touching cells have the preconditioner of the dry contact.
+equation of a touching cell is that of its film thickness. The local stage solves for the residual of the first, with
+the coefficients of a cell and its neighbours and a small fraction of the elasticity. It has the variation of the
+conductance by orders of magnitude. The equations of touching cells have the preconditioner of the dry contact. Both
+take ``deflection.even``, the elasticity without creep.
 
 Units are those of :mod:`~contactstudy.lubrication.film_equation`; arrays (x, y) have one value for each cell. A
 cavitated cell has no pressure, and its void fraction is unknown. A touching cell lies on the boundary film, where
@@ -29,24 +30,24 @@ from contactstudy.lubrication.film_equation import Bands, Film, Linearised, Mask
 from contactstudy.problem.problem import ApproximateInverse
 
 # Elasticity in the local stage: the coefficient of a change of pressure has ELASTIC_FRACTION of that of thickness, and
-# on the diagonal WIDTH_FRACTION of the width of a cell. These, and the PASSES over every second line in turn, were
-# chosen by counts of iterations on 50 rough, crowned and mixed films of 64 x 16 to 864 x 128 cells, with Moes's load
-# parameter M = 20 and 100 and his material parameter L = 0 to 10.
+# on the diagonal WIDTH_FRACTION of the width of a cell. PASSES are those over every second line in turn. All were
+# chosen by counts of iterations on 50 rough, crowned and mixed films of 64 x 16 to 864 x 128 cells, with Moes's
+# parameters M = 20 and 100, of the load, and L = 0 to 10, of the material.
 ELASTIC_FRACTION, WIDTH_FRACTION, PASSES = 0.05, 0.1, 3
 # Linear residual over the right-hand side where GMRES stops, without and with cells that touch, and that above which a
-# step is rejected. Without touching cells more steps were taken with 0.1, and half as many iterations again with 0.01;
-# with 1e-2 the active sets of touching cells did not converge on 128 x 32 cells. These and the constants below were
-# chosen on rough films of 64^2 to 256^2 cells.
+# step is rejected. Without touching cells 0.1 took more steps, and 0.01 half as many iterations again. With 0.01 the
+# active sets of touching cells did not converge on 128 x 32 cells. These and the constants below were chosen on rough
+# films of 64^2 to 256^2 cells.
 TOLERANCE, TOLERANCE_TOUCHING, MAX_RESIDUAL = 3e-2, 1e-3, 0.1
-# Length of the basis of GMRES, which holds as many numbers for each cell, and the largest number of cycles of that
-# length: most steps take 5 to 40 iterations, and one that takes more than a basis is slow to converge at all.
+# Length of the basis of GMRES, which holds as many numbers for each cell, and the most cycles of that length. Most
+# steps take 5 to 40 iterations; one that takes more than a basis hardly converges.
 BASIS, RESTARTS = 120, 4
 # Harmonics along the length in the Fourier stage, the mean included. Shorter waves follow the conductance, which the
 # local stage has: with 33, light rough films took 1.1 to 3 times the iterations, each 1.5 times as long.
 WAVES = 9
-# The Fourier stage is built again when iterations exceed GROWTH times those after the last build plus EXTRA, without
-# which rough films took a tenth more of them, or when the step in pseudo-time has changed by the factor STEP_RATIO.
-# Steps above LONGEST_STEP count as that, since their squeeze term hardly matters.
+# The Fourier stage is built again when iterations exceed GROWTH times those after the last build plus EXTRA, or when
+# the step in pseudo-time has changed by the factor STEP_RATIO. Without the first rule rough films took a tenth more
+# iterations. Steps above LONGEST_STEP count as that, since their squeeze term hardly matters.
 GROWTH, EXTRA, STEP_RATIO, LONGEST_STEP = 1.5, 5, 4.0, 3.0
 # Function from a right-hand side (x, y), the balance of each cell, to an approximate solution (x, y), its unknown.
 LocalStage = Callable[[Array], Array]

@@ -45,8 +45,8 @@ GRID_SECONDS = 10.0
 # small a solve is known best by doing it.
 EXACT_SECONDS = 0.5
 # Factor on the cells along an axis, from the grid for the pressure to a finer one for all numbers of the answer, up to
-# which the finer one is not expected: it follows from coarse levels, whose bounds fall faster than it is chosen for.
-# With 1, two of five rough contacts had plans for 1.8 and 1.5 times the cells of their solves.
+# which a plan leaves the finer one out. Coarse levels ask for it too often, as their bounds fall faster than assumed:
+# with 1, two of five rough contacts had plans for 1.8 and 1.5 times the cells of their solves.
 LEAST_FINER = 1.5
 # Factor on the seconds of a finer grid for numbers that is not solved for the plan, for the grids that may follow it:
 # some solves take one more, of up to twice the cells.
@@ -253,6 +253,7 @@ class _Request:
         """Return the grids that a solve is expected to take for its pressure or film, beside the first grids if any."""
         planned, first = self.planned.grid, self.planned.first_grids
         if first is not None:
+            # grids between the levels and the planned one; without any the levels end on the planned one
             between = [grid for grid in first.between if prod(grid.cells) < prod(planned.cells)]
             return [*between, planned] if first.between else []
         if self.refines_film and levels[-1].answer is not None:

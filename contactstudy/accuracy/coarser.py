@@ -34,10 +34,10 @@ PLACES, STEPS = (-0.175, 0.83), 60
 # Distance in cells within which the largest error counts, since the error jumps where the edge passes the centre of a
 # cell. Without it the error is up to 41 % smaller.
 JUMP_RANGE = 0.06
-# A straight edge follows the law with at least MIN_TOUCHING cells in contact across, whose other edge then changes the
-# last three pressures by a tenth at most; with MIN_OPEN cells out of contact, so that it is the edge of an opening and
-# not a narrow one inside the contact; and with places by two pairs of cells that differ by at most MAX_DIFFERENCE
-# cells, half the range of places.
+# Conditions under which a straight edge follows the law. At least MIN_TOUCHING cells touch across: the other edge then
+# changes the last three pressures by a tenth at most. At least MIN_OPEN cells are open, so that the edge is not that of
+# a narrow opening inside the contact. Its places by two pairs of cells differ by at most MAX_DIFFERENCE cells, half the
+# range of places.
 MIN_TOUCHING, MIN_OPEN, MAX_DIFFERENCE = 12, 3, 0.5
 # Steps between places by which the law is extended in a straight line beyond either end, so that pairs of cells that
 # both lie beyond it give different places.
@@ -151,8 +151,8 @@ def _extended(values: Array) -> Array:
 def straight_edges(pressure: Array) -> StraightEdges | None:
     """Return the edges across of a contact with the `pressure` (x, y); None unless they are straight and smooth.
 
-    Each place along the length then touches in the same cells, a dozen and more without a gap, some cells are open, and
-    those beside both edges follow the law of an edge.
+    All rows across then touch in the same cells, `MIN_TOUCHING` and more without a gap. At least `MIN_OPEN` cells are
+    open, some of them at either end, and the cells beside both edges follow the law of an edge.
     """
     touching = np.flatnonzero(pressure[:, 0])
     first, last = (int(touching[0]), int(touching[-1])) if touching.size else (0, 0)
@@ -245,13 +245,14 @@ def around_contact(pressure: Array) -> slice:
 def discretisation_errors(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, tuple[float, float]]:
     """Return the relative errors of the peak pressure and of the pressure in L1 (across, along) due to the cells.
 
-    The maximum lies beside a cell's centre, above its pressure by the parabola through three cells, and that pressure
-    is a 24th of the second difference too high; where the edges lie in their cells changes both. In L1 each end of a
-    row of touching cells adds its :func:`~contactstudy.accuracy.coarser.edge_error`, and each cell within adds a
-    12th of its second difference: for a wave of the wave number q on cells of the size dx, the pressure of a cell is
-    ``1 / sinc(q dx / 2)`` times the true one at its centre, and the true mean in the cell is ``sinc(q dx / 2)`` times
-    that, with ``sinc(t) = sin(t) / t``. The errors of both axes add up, since an edge that is oblique to the cells has
-    ends along both. Heights between the cell centres are not included.
+    The maximum lies beside a cell's centre, above the pressure of that cell by the parabola through three cells. That
+    pressure is itself a 24th of the second difference too high. Both depend on where the edges lie in their cells.
+
+    In L1 each end of a row of touching cells adds its :func:`~contactstudy.accuracy.coarser.edge_error`, and each cell
+    within adds a 12th of its second difference. For a wave of the wave number q on cells of the size dx, the pressure of
+    a cell is ``1 / sinc(q dx / 2)`` times the true one at its centre, with ``sinc(t) = sin(t) / t``; the true mean in
+    the cell is ``sinc(q dx / 2)`` times the latter. The errors of both axes add up, since an edge that is oblique to the
+    cells has ends along both. Heights between the cell centres are not included.
 
     Parameters
     ----------
@@ -315,11 +316,11 @@ def contact_area_in_cells(pressure: Array, wraps: tuple[bool, bool], edges: Stra
 
 
 def unseen_area_error(pressure: Array, wraps: tuple[bool, bool], edges: StraightEdges | None) -> float:
-    """Return the relative error of :func:`contact_area_in_cells`, of its arguments, that no change of grids shows.
+    """Return the relative error of :func:`contact_area_in_cells` of the same arguments that no change of grids shows.
 
-    It is the uncertainty of its edges, straight ones if they are given, and, in a nearly full contact, openings as
-    narrow as a cell, which may be there or not. Of many edges, which lie anywhere in their cells, most errors cancel,
-    but those of the cells along one straight row of sides are alike. It is infinite where no area may remain.
+    It is the uncertainty of the edges, and in a nearly full contact that of openings as narrow as a cell, which may be
+    there or not. Errors of edges that lie anywhere in their cells cancel for the most part, but along one straight row
+    of sides they are alike. The error is infinite where no area may remain.
     """
     area, lost = contact_area_in_cells(pressure, wraps, edges), float(_narrow_openings(pressure, wraps))
     if edges is not None:

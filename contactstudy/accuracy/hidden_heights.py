@@ -49,8 +49,8 @@ PRESSURE_RISE = pi
 # Rise on all finer cells over that rise, where a shape names no length scales: at most 3.2 under heights ``|x|^n`` with
 # n from 1.5 on.
 FURTHER_RISE = 3.5
-# Fraction of the slope change at two neighbouring points, less those at the points before and after them, from which it
-# counts as a corner: a height ``|x|^n`` with n below 1.5 has more, a smooth one none.
+# Two neighbouring points are at a corner if their slope changes, less those at the points before and after them, are
+# more than this fraction of them: a height ``|x|^n`` with n below 1.5 has more, a smooth one none.
 CORNER_FRACTION = 0.55
 
 

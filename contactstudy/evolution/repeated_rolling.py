@@ -282,8 +282,8 @@ class RepeatedRolling:
 # Depth of the first layers, in length scales of the contact, such as its half-width: Hertz's contact yields first at 0.7
 # of it. More are added where the last one yields, so that this changes the time alone.
 INITIAL_DEPTH = 2.0
-# The longest pass, in widths of the moving grid. The mean strain behind forgets that before it to
-# exp(-20 AVERAGES_PER_WIDTH) = exp(-40).
+# The longest pass, in widths of the moving grid. At its end the strain before the pass has the weight
+# exp(-20 AVERAGES_PER_WIDTH) = exp(-40) in the mean strain behind.
 MAX_PASS_WIDTHS = 20
 
 

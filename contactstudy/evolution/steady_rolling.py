@@ -1,9 +1,9 @@
 """Steady rolling of a contact whose bodies creep or are elastic, in the frame of the contact.
 
-In this frame nothing changes with time. A viscoelastic body's displacement has a part at once and a retarded one, which
-trails behind the pressure: it is a convolution, with a part that is even in x and acts as a compliance, and one that is
-odd in x, which makes the pressure asymmetric and loses energy. The even part belongs to the operator of the contact; the
-odd part is lagged, which means that it follows from the pressure of the iteration before.
+In this frame nothing changes with time. The displacement of a viscoelastic body has an instantaneous part and a retarded
+one, which trails behind the pressure. The retarded part is a convolution. Its coefficients that are even in x act as a
+compliance and belong to the operator of the contact. Those that are odd in x make the pressure asymmetric and lose
+energy; their part is lagged: it follows from the pressure of the iteration before.
 """
 
 from collections.abc import Callable, Mapping
@@ -26,11 +26,11 @@ from contactstudy.scene.solids.inelastic import rolling_bodies
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import LaggedSolution, SolveOptions, solve_contact, solve_with_mixing
 
-# Fine cells per cell across, for the retarded displacement under the pressure: on 32 cells across the resistance is then
-# right to 5e-4, a tenth of its change to 128 cells. There are fewer fine cells per cell, at least 2, where all of them
-# would be more than this number, which takes 0.2 s: with 2 it is right to 2e-3 on 32 cells, 1e-5 on 512.
+# Fine cells per cell across, for the retarded displacement under the pressure, and most fine cells in all, which take
+# 0.2 s: beyond these there are fewer per cell, at least 2. With 8 the resistance is right to 5e-4 on 32 cells across, a
+# tenth of its change to 128 cells; with 2 it is right to 2e-3 on 32 cells, and to 1e-5 on 512.
 REFINEMENT, MAX_FINE_CELLS = 8, 2**17
-# A shift of the pressure below this fraction of the grid's width is rounding: some fifty units of it.
+# A shift of the pressure below this fraction of the grid's width is rounding: some fifty units in the last place.
 ROUNDING = 1e-14
 
 

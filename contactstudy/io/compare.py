@@ -37,7 +37,7 @@ class Comparison:
     Parameters
     ----------
     l1
-        ``sum |p_b - p_a| / sum p_a`` of the means over the larger cells of both grids, the measure of error estimates.
+        ``sum |p_b - p_a| / sum |p_a|`` of the means over the larger cells of both grids, as in error estimates.
     peak_pressure, contact_area, load
         ``b / a - 1`` of the net peak pressure, the area of cells in contact, and the load of the net pressure; the area
         is NaN for films.
@@ -95,10 +95,9 @@ class Comparison:
 def compare(a: Any, b: Any) -> Comparison:
     """Return how the contact `b` differs from the contact `a`.
 
-    Pressures are constant in each cell, so that all integrals over both grids are exact; beyond the width of
-    a grid there is no pressure. The difference in L1 is that of means over the larger cells, along each axis: for two
-    grids of one contact it is no more than the sum of their bounds. A contact of one cell along is the same at
-    any period.
+    Pressures are constant in each cell, so that all integrals over both grids are exact; beyond the width of a grid the
+    pressure is 0. The difference in L1 is that of means over the larger cells along each axis. For two answers to one
+    contact it is at most the sum of their bounds. A contact of one cell along is the same at any period.
 
     Parameters
     ----------

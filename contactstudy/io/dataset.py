@@ -146,7 +146,7 @@ def contact_dataset(
 def _profile(posed: PosedScene) -> dict[str, xr.Variable]:
     """Return the variable ``drop`` (y,) [m] of profiles, crowns and tilt along a roller; none for a scene without.
 
-    It is that from the highest place of the roller, not a number beyond its ends.
+    The drop counts from the highest place of the roller; beyond its ends it is NaN.
     """
     length, grid = posed.scene.roller_length, posed.grid
     drops = [shape.gap(grid) for shape in posed.scene.shapes if isinstance(shape, PROFILES)]
@@ -299,7 +299,7 @@ NUMBERS = {
 
 
 def evolution_dataset(evolution: "Trajectory", contacts: Sequence[Any]) -> xr.Dataset:
-    """Return the instants of a dry scene along time, with the strain of bodies that yield.
+    """Return the instants of a dry scene along time, with the (coupled) plastic strain of bodies that yield.
 
     The `contacts` are the answers at the instants of the `evolution`.
     """
@@ -339,7 +339,7 @@ def _instant(frame: "Frame", contact: Any, highest: Any) -> xr.Dataset:
 def over_time(times: Array, instants: Sequence[xr.Dataset]) -> xr.Dataset:
     """Return the datasets of instants along the dimension ``time``, at their `times` (time,) [s].
 
-    A field that an instant lacks is zero there without pressure, and else not a number.
+    A field that an instant lacks is there 0 if the instant has no pressure, else NaN.
     """
     everywhere = {name: variable for instant in reversed(instants) for name, variable in instant.items()}
 

@@ -271,7 +271,7 @@ def picture_of(dataset: xr.Dataset) -> Figure | None:
 
 
 def _picture(dataset: xr.Dataset, kind: Kind) -> Figure:
-    """Return a figure of a dataset with a panel for each variable of its `kind` that has values, or for all."""
+    """Return a figure with a panel for each variable of the `kind` that has values in `dataset`; for all if none has."""
     if kind.reach < inf:
         dataset = _inside(dataset, kind.reach)
     named = [
@@ -305,6 +305,7 @@ def _section(ax: Axes, dataset: xr.Dataset, name: str) -> None:
     for other, color in zip(names, (GREEN, RED), strict=False):
         label = str(dataset[other].attrs["long_name"]) if len(names) > 1 else ""
         ax.plot(x, in_the_middle(dataset[other]) / scale, label=label, color=color)
+    # without its direction, such as "along x", which the legend names
     what = str(dataset[name].attrs["long_name"]).partition(" along ")[0]
     name_axes(ax, across, f"{what} [{unit}]", "in the middle")
     if name in LOGARITHMIC:
@@ -542,7 +543,7 @@ def _map_over_time(ax: Axes, evolved: xr.Dataset, name: str) -> None:
 
 
 def _numbers(ax: Axes, evolved: xr.Dataset, name: str) -> None:
-    """Draw a number, and those that are drawn together with it, over their largest values against time."""
+    """Draw a number, and those that are drawn together with it, each over its largest value, against time."""
     lowest = 0.0
     for number, color in zip(TOGETHER[name], (GREY, BLUE, GREEN), strict=False):
         values = evolved[number]

@@ -20,11 +20,12 @@ from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import LengthScales, Shape, length_scales_of
 from contactstudy.scene.solids.bodies import Layered, is_layered
 
-# Effects of constants that are stated are those on plans of a smooth, a rough, a rolling and a changing contact to 1 %.
+# Effects of constants, where stated, are those on plans of a smooth, a rough, a rolling and a changing contact, each to
+# an error of 1 %.
 # Width of the grid over that of the contact. With 1.1 to 1.4 plans have 0.9 to 2.2 times the cells.
 WIDTH_FACTOR = 1.2
-# Number of longest wavelengths in a period with which one surface is representative. With half or twice as many, the
-# cells go with it.
+# Number of longest wavelengths in a period with which one surface is representative. The number of cells is
+# proportional to it.
 WAVES_PER_PERIOD = 4
 # Minimum number of cells along an axis. With half or twice as many, plans change by 2 % of the cells at most.
 MIN_CELLS = 32
@@ -34,8 +35,8 @@ CELL_FRACTION = 0.5
 # width is later fitted to the contact: with half or twice the factor, three crowned rollers took 0.6 to 1.5 times the
 # cells.
 CROWN_FACTOR = 1.5
-# Cells in the shortest wavelength of flats with waves along one axis, and along both. The largest grid on which a solve
-# takes tenths of a second, since no solve tells their error.
+# Cells in the shortest wavelength of flats with waves along one axis, and along both. No solve tells their error before:
+# the grid is the largest on which a solve takes tenths of a second.
 CELLS_PER_WAVE = 1024, 128
 
 

@@ -67,6 +67,7 @@ def plan_grid(
 
         return plan_of_film(scene, error, period, grid, padding)
     transient: TransientRequirements | None = None
+    # a load history with adhesion alone changes nothing but the load, and is planned as one load
     is_followed = scene.adhesion is None or scene.method is methods.TIME_DEPENDENT
     if scene.method is not methods.STATIC and is_followed:
         # imported only for scenes that change in time or roll

@@ -76,12 +76,11 @@ class Plan(InNotebook):
         The boundary conditions.
     error
         Bound of the relative L1 error of the pressure to expect, with all its causes but the steps in time, from
-        solutions on coarse grids. Of a film, the error requested. Infinite where they give none.
+        solutions on coarse grids; infinite where these give none. Of a film, the error requested.
     seconds
-        Seconds of processor time (with a device, of wall time) of a solve to the error: its plan, all grids and steps,
-        their estimates, and the stress that a steady scene names, from solves on coarser grids just now. Imports,
-        compilation, tables of a material, files and plots are not counted. Infinite where no coarser grid can be
-        solved.
+        Seconds of processor time (with a device, of wall time) of a solve to the error, from the times of solves on
+        coarser grids; infinite where none can be solved. Counted are the plan, all grids and steps, their estimates, and
+        the stress that a steady scene names, and not imports, compilation, tables of a material, files and plots.
     bytes
         Bytes that a solve holds at most.
     reasons

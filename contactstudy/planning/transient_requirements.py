@@ -37,16 +37,17 @@ ZONE_MARGIN = 1.25
 STRAIN_FIELDS, STRAIN_FIELDS_ALONG = 24, 36
 # Factor on the width of a contact that rolls steadily on a body that creeps, whose displacement behind it is not zero.
 ROLLING_WIDENING = 1.5
-# Factors on the extent of the plastic zone and on the bytes of its operators in passes. Passes over Hertz's peak
-# pressure of 3 and 4 times the yield stress end at the edge of a grid of 3.6 and 4.4 half-widths, and not of 3.9 and
-# 5.4; they hold 3.7 to 7.8 times the operators in 16 runs.
+# Factors on the extent of the plastic zone and on the bytes of its operators in passes. Under Hertz's peak pressure of 3
+# and 4 times the yield stress, grids 3.9 and 5.4 half-widths wide hold the zone of passes, and grids of 3.6 and 4.4 do
+# not. Memory was 3.7 to 7.8 times the operators in 16 runs.
 ROLLED_WIDENING, ROLLED_OPERATORS = 1.25, 5
 # Number of fields (x, y) that an integration in time holds beside those of creep: pressures, gaps and worn depths of two
 # steps and of their half steps.
 INTEGRATION_FIELDS = 8
 # Number of fields (x, y) that the iteration of a steadily rolling contact holds, with those of its mixed iterates.
 ROLLING_FIELDS = 32
-# Widening of a contact that wears under partial slip, over the square of ``Q / (mu P)``: 0.6 to 0.8 up to 0.97.
+# Widening of a contact that wears under partial slip, over the square of ``Q / (mu P)``. By the closed form in
+# `_fretting` it is 0.6 to 0.8 for ratios up to 0.97.
 SCAR_WIDENING = 0.8
 # Loads below this fraction of the largest are not planned for: the cell size goes with the square root of the load, so
 # that the grid would have ten times the cells of the largest load and more.

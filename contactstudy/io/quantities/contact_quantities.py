@@ -50,9 +50,10 @@ def traction_quantities(
 ) -> dict[str, Quantity]:
     """Return the tangential force on the first body over the load, and the fraction of the contact that sticks.
 
-    The ratio has a bound where it is given: where the contact sticks with its force, in full sliding itself. It has
-    none under a given tangential displacement, and in full sliding of bodies that attract each other, as the grid
-    changes the load with the repulsion. The last argument is that of :data:`OF_PARTS`.
+    The ratio has a bound where it is known beforehand: from the given force where a part may stick, as the coefficient
+    of friction in full sliding. It has none under a given tangential displacement, nor in full sliding with adhesion:
+    friction goes with the repulsion, whose ratio to the load depends on the grid. The last argument is that of
+    :data:`OF_PARTS`.
     """
     coefficient = Quantity(_force_over_load(solution, traction)[0], "1", "tangential force over load")
     friction = getattr(scene_of(solution.problem), "friction", None)
@@ -218,8 +219,9 @@ def adhesion_quantities(
 ) -> dict[str, Quantity]:
     """Return quantities of the attraction, by name; with the pull-off load of bodies that are pulled apart.
 
-    In contact the repulsive part of the pressure is the net pressure and the strength of the attraction, so that the
-    peaks of both have the same error. Loads are per `length` [m] of a roller, or of the grid if that is None.
+    In contact the repulsive part of the pressure is the net pressure plus the strength of the attraction, so that the
+    peaks of both have the same error. A regularised attraction has a range chosen for the grid, in place of the limit
+    of short ranges, and no bounds. Loads are per `length` [m] of a roller, or of the grid if that is None.
     """
     grid = solution.problem.grid
     on_length = grid.length / (length or grid.length)
@@ -255,8 +257,8 @@ def adhesion_quantities(
 def moved_force(solution: Solution, estimate: ErrorEstimate) -> float:
     """Return the error [Pa] of a sum over cells, of the attraction or of the net pressure where bodies touch.
 
-    By the errors in `estimate`, it is the error of the net pressure in L1, and the largest attraction in the cells by
-    which the contact may be larger or smaller. Times the area of a cell it is a force.
+    By the errors in `estimate`, it is the error of the net pressure in L1, plus the largest attraction times the cells
+    by which the contact may be larger or smaller. Times the area of a cell it is a force.
     """
     norm, touching = float(np.abs(solution.net_pressure).sum()), np.count_nonzero(solution.pressure)
     assert solution.adhesion is not None
@@ -451,7 +453,7 @@ def _half_size(
 def _may_touch(solution: Solution) -> NDArray[np.bool_]:
     """Return the cells (x, y) in contact, and those of a lowest gap that may close between the cell centres.
 
-    That gap is smaller than the mean of its neighbours exceeds it.
+    It may where the means of the neighbours along each axis exceed the gap, together, by more than the gap itself.
     """
     gap = solution.gap
     is_lowest, rise = np.ones(gap.shape, bool), np.zeros(gap.shape)

@@ -41,10 +41,11 @@ class Quantity:
     is_fraction
         True for a part of a whole, from 0 to 1, whose error is written as it is and not relative to the value.
     rivals
-        Pairs of a value and its depth [m], 0 at the surface, that a largest value may have as well, at other places or
-        between the cells: its bound includes them, and that of its depth the depths of those within its bound.
+        Pairs of a value and its depth [m], 0 at the surface, which a largest value may have at other places or between
+        the cells. The bound of the value includes these values; the bound of its depth includes the depths of those
+        within that bound.
     least_change
-        Least relative change between grids that its bound assumes: of a largest stress that may lie between depths.
+        Least relative change between grids that the bound assumes: of a largest stress, which may lie between depths.
     """
 
     value: float

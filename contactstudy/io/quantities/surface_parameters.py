@@ -65,9 +65,9 @@ def parameters_text(parameters: Parameters) -> list[str]:
 def _decay_lengths(heights: Array, steps: list[float]) -> tuple[float, float]:
     """Return the shortest and the longest distance [m] at which the autocorrelation falls to :data:`DECAYED`.
 
-    That is the mean product of the `heights` (x, y), points apart by the `steps` [m], over all pairs of points at a
-    distance, relative to that at no distance. It is computed by transforms padded with zeros, and followed along rays
-    in 360 directions. A length that is not reached within half the surface is nan.
+    The autocorrelation is the mean product of two `heights` (x, y) over all pairs of points at a distance, relative to
+    that at no distance; neighbouring points are the `steps` [m] apart. It is computed by transforms padded with zeros,
+    and followed along rays in 360 directions. A length that is not reached within half the surface is nan.
     """
     shape = heights.shape
     padded = [2 * count for count in shape]

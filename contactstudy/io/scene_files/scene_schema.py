@@ -1,8 +1,8 @@
 """Keys of a scene file and their types, which :func:`~contactstudy.read_scene` reads, and the table of materials.
 
 Most tables of a file have the fields of the class that they describe as keys. Where a file says more, or otherwise, a
-class here has its keys, and its method ``described(folder, context)`` returns what they describe: paths of files start
-at the `folder` of the scene file, and the `context` is the sum of the curvatures across [1/m] of the scene's shapes, and
+class here has its keys, and its method ``described(folder, context)`` returns what they describe. Paths of files start
+at the `folder` of the scene file. The `context` is the sum of the curvatures across [1/m] of the scene's shapes, and
 both bodies.
 """
 

@@ -1,8 +1,9 @@
 """Nested tables of a scene file as frozen dataclasses, and a scene as tables in TOML.
 
 A table describes a class, whose fields are its keys. Where there are several, as of the shapes of a scene, the class is
-called its *kind*. Numbers and texts are checked, and converted to SI units, by the annotations of the fields. Before
-that, times in cycles are converted to seconds; beside it, numbers are found that are likely in another unit than SI.
+called its *kind*. Numbers and texts are checked, and converted to SI units, by the annotations of the fields. Two steps
+are apart: `with_cycles` first converts times in cycles to seconds, and `likely_units` finds numbers that are likely in
+another unit than SI.
 """
 
 import re

@@ -14,10 +14,10 @@ Extending ``u`` by zeros instead makes a fragmented contact far too stiff, by mo
 normalised convolution, in which the nearest cells of the contact weigh most.
 
 The extension of least energy is the mean of ``u`` over the first hitting point of a Levy flight whose jumps are
-distributed as the inverse ``S`` of the operator couples cells, like ``r^-3`` (Kyprianou, Osojnik & Shardlow 2018). Its
-kernel falls like ``r^-3`` beyond the width of the holes in the contact, and more slowly within. So does the kernel of
-``G = (1 + t S)^(-1/2)``: it is positive, a mixture of Poisson's kernels, and falls like ``r^-3/2`` up to a length that
-``t`` sets.
+distributed as the inverse ``S`` of the operator couples cells, like ``r^-3`` (Kyprianou, Osojnik & Shardlow 2018). The
+kernel of this extension falls like ``r^-3`` beyond the width of the holes in the contact, and more slowly within. So
+does the kernel of ``G = (1 + t S)^(-1/2)``: it is positive, a mixture of Poisson's kernels, and falls like ``r^-3/2``
+up to a length that ``t`` sets.
 """
 
 from abc import ABC, abstractmethod
@@ -66,7 +66,7 @@ class SpectralInverse:
         Cells of the grid (across, along).
     work_array
         Returns the array (x, y // 2 + 1) that a transform of a field of a shape (x, y) and a type of real numbers may
-        overwrite, or None.
+        overwrite, or None for a new one.
     real
         Type of the numbers to work in, if their digits span the range of the spectrum; else that of the spectrum.
     """
@@ -191,9 +191,9 @@ class FreeEndsInverse:
 
 
 class LongerExtension:
-    """Extension of an `active` set (x, y) to all cells of a `longer` grid (cells across, along), that of an `inverse`.
+    """Extension of an `active` set (x, y) to all cells of a `longer` grid (cells across, along).
 
-    The first cells along each axis of the longer grid are those of the set.
+    The `inverse` on the longer grid makes it. The grid of the set is the first cells of the longer one along each axis.
     """
 
     def __init__(self, active: Array, longer: tuple[int, int], inverse: SpectralInverse) -> None:
@@ -216,7 +216,7 @@ class LongerExtension:
 
 
 class SpectralExtension(ABC):
-    """Extension of an active set (x, y), whose pressure is that of all cells, restricted by the transposed map.
+    """Extension from an active set (x, y) to all cells, and restriction from all cells to the set, its transposed map.
 
     `active` is the fraction of each cell that belongs to the set: 1 or 0, or between them for a block of cells.
     Displacements of the set are given times these fractions. `pressure` maps a displacement of all cells to their

@@ -310,9 +310,8 @@ class Convolution:
     def coarsened(self) -> Self:
         """Return the operator on larger cells: mean displacement of blocks of cells under a pressure constant in each.
 
-        Galerkin coarsening: in the spectrum, restriction to larger cells and prolongation to smaller ones together
-        multiply the wave k of n points along an axis by ``cos(pi k / n)^2``. The larger cells alias the upper half of
-        the wave numbers to the lower.
+        It is a Galerkin coarsening. Restriction to larger cells and prolongation to smaller ones together multiply wave
+        k on an axis of n points by ``cos(pi k / n)^2``. The larger cells alias the upper half of the waves to the lower.
         """
         (px, py), blocks = self.padded, self.blocks
         cells = self.cells[0] // blocks[0], self.cells[1] // blocks[1]
@@ -416,7 +415,7 @@ def convolution(contact_modulus: float, grid: Grid, padding: Padding | Paddings,
     padding
         Padding along the length, or (across, along).
     datum
-        Distance from the axis [m] at which displacement is zero, in a padding that leaves that open.
+        Distance from the axis [m] at which displacement is zero; used where the padding leaves the zero open.
 
     Returns
     -------

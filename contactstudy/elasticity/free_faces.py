@@ -41,8 +41,9 @@ from contactstudy.elasticity.convolution import (
 from contactstudy.elasticity.kernels.stress import BOUSSINESQ, COMPONENTS, CellKernel
 from contactstudy.elasticity.transforms import ComplexField, transforms
 
-# What other values of constants change is that under Hertz's pressure on a body 8 half-widths long, over the largest:
-# displacement in cells of 1/8 of a half-width, stress at depths of 0.1 to 1 half-width in cells of 1/4.
+# The changes that are named below by other values of a constant are under Hertz's pressure on a body 8 half-widths
+# long, over the largest value: of displacement in cells of 1/8 of a half-width, and of stress at depths of 0.1 to 1
+# half-width in cells of 1/4.
 #
 # Ratio of neighbouring distances from the face in the table; on a grid every third of them is used, a ratio of 1.33,
 # between which values are interpolated by cubics in the logarithm of the distance. The root of the first ratio changes
@@ -60,7 +61,7 @@ FIRST_NODE = 0.0625
 # quarter-spaces sink 1 to 6 times as much.
 COUPLING = 2.0, 1.15
 # Where the response across is summed from waves, it repeats after 2 WIDTHS widths of the grid: its images then are at
-# least 15 widths away. Half of it changes displacement by 2e-4, twice by 7e-5.
+# least 15 widths away. Half of this number changes displacement by 2e-4, twice by 7e-5.
 WIDTHS = 8
 # Depth [body lengths] to which loads on a face are summed: with twice that, the stress under a ridge on bodies of 2 to
 # 40 half-widths changes by at most 3e-4 of the largest. Beyond the body length they are taken for constant.
@@ -90,8 +91,8 @@ class FaceTable(NamedTuple):
 def face_table(poisson_ratio: float) -> FaceTable:
     """Return the table of a material, in which loads are constant between the geometric means of distances.
 
-    It solves the equations of the module's page for P and q. There the operator S is the transform across of
-    Boussinesq's stress on the face, of a load and its mirror image: rows for the depths of the stress, columns for the
+    It solves the equations of the module's docstring for P and q. The operator S there is the transform across of
+    Boussinesq's stress on the face by a load and its mirror image: rows are the depths of the stress, columns the
     distances of the load from the face.
     """
     from scipy.special import iti0k0, k0, k1  # imported late, since it is slow
@@ -127,7 +128,7 @@ def face_table(poisson_ratio: float) -> FaceTable:
     load = np.linalg.solve(np.eye(count) - squared, squared) / widths
     table = displacement @ load
     distances = np.sqrt(edges[1:] * edges[:-1])
-    # by reciprocity it is symmetric but for the discretisation
+    # by reciprocity the table is symmetric but for the discretisation
     return FaceTable(distances, (table + table.T) / 2, load, s / widths + s @ load)
 
 
@@ -298,8 +299,8 @@ def faces_on(body: FreeFaceCoefficients, grid: Grid, across: int, added: str = "
     """Return what the faces of `body` add on `grid`, the field of :class:`FaceTable` that is named `added`.
 
     Transforms across have `across` points. At a distance x across, what the faces add is the cosine transform of the
-    table over wave numbers. These are summed in equal steps, and have their values by interpolation in the table. Under
-    waves longer than the body, a load at one face also acts on the other, see `COUPLING`.
+    table over wave numbers in equal steps, at which the table is interpolated. Under waves longer than the body, a load
+    at one face also acts on the other, see `COUPLING`.
     """
     to_face = (body.length - grid.length) / 2
     (nx, ny), (dx, dy) = grid.cells, grid.cell_size

@@ -4,9 +4,9 @@ A field (nx, ny) is padded with zeros to (px, py) points; its Fourier coefficien
 negative wave numbers along y are conjugate. :func:`transforms` returns the pair for the device in use: :class:`Ducc` by
 ducc0, :class:`CuFft` by cuFFT, or the plain :class:`Transforms` of the device's array library.
 
-ducc0 is used, and numpy where it is missing. One convolution in ms on one thread (AMD EPYC, medians): 512 x 512 cells
-padded to 1024 x 512: scipy 4.4, ducc0 3.2, FFTW (planned, measured) 3.8; padded to 1024 x 1024: 14.3, 7.9, 8.1; 1024 x
-1024 padded to 2048 x 1024: 27.6, 21.9, 24.9. All three agree to 6e-16.
+ducc0 is used, the fastest of three libraries, and numpy where it is missing. Convolutions of 512 x 512 to 1024 x 1024
+cells on one thread (AMD EPYC) take scipy 1.3 to 1.8 times as long, FFTW (planned, measured) 1.0 to 1.2 times. All three
+agree to 6e-16.
 """
 
 import os
@@ -150,7 +150,7 @@ class Ducc(Transforms):
 def _c2r_is_slow(waves: ComplexField, along: int) -> bool:
     """Return whether ducc0 takes longer than scipy to transform `waves` to rows of `along` numbers.
 
-    With ducc0 0.42 it takes twice as long in single precision from 512 numbers on, and less in double precision.
+    With ducc0 0.42 it takes twice as long in single precision for more than 512 numbers, and less in double precision.
     """
     return waves.dtype == np.complex64 and along > 512
 
@@ -195,7 +195,8 @@ def _plan(kind: str, shape: tuple[int, ...], batch: int, *, by_row: bool) -> Any
     library = cufft()
     waves = (*shape[:-1], shape[-1] // 2 + 1)
     into, out = (shape if numbers in "RD" else waves for numbers in (kind[0], kind[2]))
-    # of the input, then of the output: its shape, the distance of neighbours along the last axis, and that of fields
+    # of the input, then of the output: its shape, the distance of neighbours along the last axis, and that of fields;
+    # after the batch come the memory order, the last axis, and a size that is not needed
     layout = (into, 1, prod(into), out, 1, prod(out)) if by_row else (shape, batch, 1, shape, batch, 1)
     code = getattr(library, f"CUFFT_{kind}")
     return library.PlanNd(shape, *layout, code, batch, "C", len(shape) - 1, None)

@@ -115,8 +115,8 @@ POINTS = 8
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(POINTS)
 # Legendre polynomials (degree, node) at the nodes.
 LEGENDRE = np.array([eval_legendre(n, NODES) for n in range(POINTS)])
-# The first panel has a kink at half a cell, the edge of the load: it is divided into panels that halve so many times
-# towards it. Without them 2e-5 of the largest coefficient would be left; from 5 on nothing changes.
+# The first panel has a kink at half a cell, the edge of the load: it is divided into panels whose size halves so many
+# times towards the kink. Without them the error is 2e-5 of the largest coefficient; from 5 on nothing changes.
 HALVINGS = 10
 # A pressure older than this multiple of the retardation time has no effect left: exp(-40) ~ 4e-18.
 NEGLIGIBLE_AGE = 40.0
@@ -130,8 +130,8 @@ class RetardedCoefficients:
     """Influence coefficients of the retarded displacement under a moving pressure.
 
     They are the even or the odd part of ``V(x) = int_0^inf exp(-t / length) / length K(x + t) dt`` with the
-    coefficients K of `inner`, a length t travelled since: the displacement at x by a pressure that moves to larger x at
-    a speed v, in a body with the retardation time ``length / v``.
+    coefficients K of `inner` and the distance t travelled since. V is the displacement at x by a pressure at 0 that
+    moves to larger x at a speed v, in a body with the retardation time ``length / v``.
 
     Parameters
     ----------
@@ -185,10 +185,10 @@ class RetardedCoefficients:
         """Return the even or odd part of V at `offsets` along the axis of motion, where K repeats after a `period`."""
         parity, places = self.inner.parity[self.axis], np.ravel(offsets)
         if period is None:
-            trailing, leading = _open_axis(kernel, places, step, self.length, parity)
+            ahead, behind = _open_axis(kernel, places, step, self.length, parity)
         else:
-            trailing, leading = _periodic_axis(kernel, places, step, period, self.length, parity)
-        return (trailing + self.sign * leading) / 2
+            ahead, behind = _periodic_axis(kernel, places, step, period, self.length, parity)
+        return (ahead + self.sign * behind) / 2
 
 
 def retarded(response: Mapping[Coefficients, float], distance: float) -> Mapping[Coefficients, float]:
@@ -214,7 +214,9 @@ def retarded(response: Mapping[Coefficients, float], distance: float) -> Mapping
 
 
 def _open_axis(kernel: Kernel, x: Array, step: float, length: float, parity: int) -> tuple[Array, Array]:
-    """Return V (n, m) at `x` and at ``-x``, multiples of `step` at least 0 (n,), of a `kernel` that is not periodic.
+    """Return V (n, m) ahead, at `x`, and behind, at ``-x``, of a `kernel` that is not periodic.
+
+    `x` (n,) are multiples of `step`, at least 0.
 
     V is that of :class:`RetardedCoefficients` with this `length`; the kernel is even or odd, by its `parity`.
     """
@@ -222,9 +224,9 @@ def _open_axis(kernel: Kernel, x: Array, step: float, length: float, parity: int
     last = max(int(index.max()), 1)
     onward, backward = _panels(kernel, last, step, length)
     beyond = _beyond(kernel, last * step, step, length)[None]
-    trailing = _decaying_sums(np.concatenate([beyond, onward[::-1]]), step / length)[::-1]
-    leading = _decaying_sums(np.concatenate([trailing[:1], parity * backward]), step / length)
-    return trailing[index], leading[index]
+    ahead = _decaying_sums(np.concatenate([beyond, onward[::-1]]), step / length)[::-1]
+    behind = _decaying_sums(np.concatenate([ahead[:1], parity * backward]), step / length)
+    return ahead[index], behind[index]
 
 
 def _periodic_axis(

@@ -207,8 +207,8 @@ class ArrayOperations:
     ) -> float:  # fmt: skip
         """Cut a trial pressure off at the limits and shift it on the `active` set to meet the `control`, in place.
 
-        `trial_sums` are those of the trial. Returns the slope of the complementary energy along
-        the step from `pressure`.
+        `trial_sums` are those of the trial. Returns the slope of the complementary energy along the step from
+        `pressure`, under which the gap has this `height`.
         """
         self.constraint.project_to_load(trial, active, control.total)
         return self.slope(trial, pressure, height)
@@ -374,7 +374,7 @@ class DeviceOperations(CompiledOperations):
         return float(self._loops.slope(trial, pressure, height, results=1)[0, 0])
 
     def _projected(self, trial: Array, sums: TrialSums, load: float, pressure: Array, height: Array) -> float:
-        """Shift a trial pressure to a `load` as :class:`CompiledOperations` does, by one launch."""
+        """Shift a trial pressure to a `load` as :func:`shift_to_load` does, with its 16 epsilons, by one launch."""
         rounding = 16 * float(np.finfo(trial.dtype).eps)
         numbers = load, sums.load, sums.loaded, rounding
         return float(self._loops.project(trial, *numbers, pressure, height, results=1)[0, 0])

@@ -11,10 +11,10 @@ all stresses below follow by differentiation and from equilibrium.
 
 A field that is constant in cells has waves of all lengths. :class:`Waves` longer than two cells are resolved. Short
 waves, those shorter than two cells, represent the edges of cells: each has the values of one resolved wave, its alias,
-at the middles of the cells. They act on the layer of their own strain and on its neighbours: further away they have
-decayed, where layers are about as thick as cells are wide, or thicker. On five layers of 0.7 to 1.4 cells, the stress
-by a strain that decays over three cells differs from the closed forms of plane strain and antiplane shear by at most
-1.5e-4 of 2 G (the shear modulus G) times the largest component of strain; by noise from cell to cell, by 1e-2.
+at the middles of the cells. Short waves act on the layer of their own strain and on its neighbours alone: further away
+they have decayed, where layers are about as thick as cells are wide, or thicker. What is left out is small where strain
+is smooth, and larger where it is noise from cell to cell. On five layers of 0.7 to 1.4 cells, the stress by a strain
+that decays over three cells is right to 1.5e-4, by noise to 1e-2 of 2 G (the shear modulus G) times the largest strain.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -294,7 +294,7 @@ class Waves:
     def diagonal_blocks(self, fractions: Array) -> Array:
         """Return minus the residual stress of a cell by its own unit strain, by these waves alone, (layers, 5, 5) [Pa].
 
-        `fractions` (orders,) are the amplitudes of the waves in the strain of one cell, which sum to the strain there.
+        `fractions` (orders,) are the amplitudes of these waves in the strain of one cell; those of all waves sum to 1.
         """
         fraction = np.tile(fractions, self.period)
         blocks = np.empty((self.volume.shape[0], 5, 5))

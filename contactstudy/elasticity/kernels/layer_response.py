@@ -102,7 +102,7 @@ class LayerResponse:
     def _stiffness_ratio(self) -> float:
         """Largest over smallest shear modulus, rigid half-spaces left out; at least 1.
 
-        For one layer, which matters where it is stiffer than the half-space, it is that of the layer over the latter.
+        One layer counts only where it is stiffer than the half-space: its modulus over that of the half-space.
         """
         elastic = [ratio for ratio in self.all_shear_ratios if ratio]
         ratio = max(elastic) / min(elastic)

@@ -284,9 +284,9 @@ BAND_RATIO = 4
 # Window of waves: the end and the width, in waves per cell, of the erfc by which waves fade out. Of two such pairs the
 # window holds the waves of the second without those of the first.
 Window = tuple[tuple[float, float], ...]
-# The fields of a window's ends are below rounding beyond 2 / width cells. For long waves that is within half of
-# NEAR_CELLS. For the waves that are seen at all at the centres of cells it is half a cell, the distance of its edges.
-# Half of either end changes coefficients by 5e-5 of the largest at most, twice by 1e-14.
+# What the fading of a window adds to fields is below rounding beyond 2 / width cells. For LONG_WAVES that is within half
+# of NEAR_CELLS. For SEEN_WAVES, beyond which no wave is seen at the centres of cells, it is half a cell, the distance
+# of the edges. Half of either end changes coefficients by 5e-5 of the largest at most, twice by 1e-14.
 NEAR_CELLS = 24
 LONG_WAVES: Window = ((0.9, 0.165),)
 SEEN_WAVES: Window = ((20.0, 3.5),)
@@ -303,7 +303,7 @@ VALUES_AT_ONCE = 2**17
 class WaveCoefficients:
     """:class:`~contactstudy.elasticity.convolution.Coefficients` of one field of a layered body.
 
-    The field falls as the inverse cube of the distance, or what is left of it without a closed form does.
+    The field falls as the inverse cube of the distance, or its part without a closed form does.
 
     Parameters
     ----------
@@ -399,7 +399,8 @@ def _lattice(waves: WaveResponse, cell: tuple[float, float], bands: Bands, along
 
     `cell` has the sides (dx, dy) of a cell, `along` is the number of cells along y. Each of the `bands` is the number
     of its first wave along y, and the number of cells across of the lattice on which its waves are summed, those from
-    there to the next band. Fields of other lattices hold in the first rows where the waves of their bands have decayed.
+    there to the next band. For a row, which has no images across, each lattice is so wide that the waves of its band
+    have decayed from the images to the first `rows`.
 
     Waves that are long along both axes are summed on these lattices. Others are summed on small ones about the cell
     (Ewald 1921): those that are short along the longer side of a cell alone, then those that are short along the

@@ -469,10 +469,10 @@ FAMILIES: Mapping[str, Mapping[str, CellKernel]] = {
 class StressCoefficients:
     """Influence coefficients of a stress component, or of another field, at one depth: response over the load on a cell.
 
-    They are :class:`~contactstudy.elasticity.convolution.Coefficients`. The response of one cell is exact to 1e-12 of
-    the largest component at that distance for ``dx / dy`` from 0.1 to 10, and beyond in proportion to the larger of
-    this ratio and its inverse; of a row or a lattice to 1e-12 of the largest component, of one cell or of all together,
-    whichever is larger. It is even or odd in x and y to the last bit.
+    They are :class:`~contactstudy.elasticity.convolution.Coefficients`, even or odd in x and y to the last bit. The
+    response of one cell has an error of 1e-12 of the largest component at that distance, for ``dx / dy`` from 0.1 to
+    10; beyond, the error grows in proportion to this ratio or its inverse. For a row or a lattice it is 1e-12 of the
+    largest component, of one cell or of all together, whichever is larger.
 
     Parameters
     ----------

@@ -167,7 +167,7 @@ class Evolution(Answer):
 
     @cached_property
     def _plastic_fields(self) -> Mapping[str, Field]:
-        """Strain and residual stress (time, component, z, x, y) of bodies that yield, by name, at the last instant."""
+        """Strain and residual stress (time, component, z, x, y) by name, the last coupled state of bodies that yield."""
         if self.trajectory is not None and self.trajectory.coupled is not None:
             last_frame = self.trajectory.frames[-1]
             return self.trajectory.coupled.over_time([last_frame.coupled_state])
@@ -230,7 +230,7 @@ class Evolution(Answer):
             self._plastic_fields,
             self.posed,
             self.error.l1,
-            self.films.ranges if self.films else {},
+            self.films.ranges if self.films else {},  # of all steps
         )
         if self.trajectory is not None and self.scene.adhesion is not None:
             errors = [frame.quantities["approach"].bound for frame in self.frames]

@@ -23,20 +23,19 @@ from contactstudy.scene.shapes.shape import LengthScales
 from contactstudy.solvers.solution import Status
 
 # Largest known shear stress of a lubricant (Bair & Winer 1979, 1992), the sum of two parts: a constant [Pa], and a
-# fraction of the pressure. Then the largest fraction of the friction that may be above that stress without a remark: of
-# 72 films under 3e4 to 6e5 N/m with Eyring's and Newton's law, 49 had nothing above it, and the others 7 % and more.
+# fraction of the pressure. Then the largest fraction of the friction that may be above that stress without a remark. Of
+# 72 films under 3e4 to 6e5 N/m with Eyring's and Newton's law, 49 had nothing above it, the others 7 % and more.
 SHEAR_LIMIT, SHEAR_LIMIT_OVER_PRESSURE, FRICTION_BEYOND_LIMIT = 1e7, 0.15, 0.01
 # A second peak of pressure is a spike if it rises from the valley before it by more than SPIKE of the highest pressure.
-# Of 38 smooth films at M = 3 to 200, L = 0 to 14 on 200 cells, 20 keep a bound, and their peaks grew by less than it on
-# four times the cells; with half and twice the value it is 19 and 21.
+# It is not critical: of 38 smooth films at M = 3 to 200, L = 0 to 14 on 200 cells, 20 keep a bound, and 19 and 21 with
+# half and twice of it. On four times the cells their peaks grew by less than the bound.
 SPIKE = 0.02
 OF_SPIKE = (
     "No bound for the peak pressure: it may be that of the spike before the outlet, which grows with the number of "
     "cells."
 )
-# Where the pressure falls from one cell to the next by more than this fraction of the highest, it may hide a spike:
-# with Barus' law at M = 5, L = 9 the highest pressure grows from 1.1 to 2.4 p_H on 64 to 1280 cells, all of them
-# steeper.
+# A pressure that falls from one cell to the next by more than this fraction of the highest may hide a spike. With
+# Barus' law at M = 5, L = 9 the highest pressure grows from 1.1 to 2.4 p_H on 64 to 1280 cells, steeper on all.
 STEEP_FALL = 0.3
 # Half of the fraction of a roller's length over which its central film is a mean: there profiles are flat.
 MIDDLE_OF_ROLLER = 1 / 16
@@ -69,9 +68,9 @@ class FilmSolution:
     iterations, linear_iterations
         Steps on this grid from the start that led to the film, and iterations of all their linear systems.
     residual
-        The larger of the unbalanced flow over the flow along x, and the error of the load over ``p_H a``; on a boundary
-        film, the least film thickness, on which asperities carry the rest of the load, also the violation of its
-        contact conditions.
+        The larger of the unbalanced flow over the flow along x, and the error of the load over ``p_H a``. On a boundary
+        film, the least film thickness, whose asperities carry the rest of the load, also the violation of its contact
+        conditions.
     flow
         Volume flow per length [m^2/s], at the density of zero pressure.
     flux_spread
@@ -289,8 +288,8 @@ class FilmSolution:
     def spike_reason(self) -> str:
         """Why the peak pressure has no bound; empty where it has one.
 
-        The mean over the length has a second peak at larger x than a valley, or the pressure falls so steeply from one
-        cell to the next that such a spike may hide there.
+        The mean over the length has a second peak at larger x than a valley, or the pressure falls so steeply between
+        two cells that a spike may hide there.
         """
         mean = self.pressure.mean(axis=1)
         falls = np.maximum.accumulate(mean) - mean

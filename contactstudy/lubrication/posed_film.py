@@ -36,17 +36,17 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 OUTLET = 0.5
 # Tolerance of the dry contact that a film starts from; with 1e-6 and 1e-2 films take as many steps.
 DRY_TOLERANCE = 1e-4
-# The central film is a mean to this fraction of the half-width from the middle of the contact, if the gap there differs
-# from a parabola by more than the fraction SMOOTH of the film, which is far below the error of a film on usual cells.
+# The central film is a mean to MIDDLE half-widths from the middle of the contact, if the gap there differs from a
+# parabola by more than SMOOTH times the film, which is far below the error of a film on usual cells.
 MIDDLE, SMOOTH = 0.5, 1e-3
 # Least width of a grid over that of the pressure: room for a short inlet, whose error the answer states.
 MIN_WIDTH = 1.2
-# A gap that varies along the length by more than CROWNED [a^2 / R] is that of a crowned roller: across, the gap of a
+# A gap that varies along the length by more than CROWNED [a^2 / R] is that of a crowned roller. Across, the gap of a
 # cylinder rises by as much from its axis to the edge of Hertz's contact. From the start of a cylinder, the film of a
 # crowned roller took nine times as long.
 CROWNED = 0.5
-# A gap that varies along the length by more than SHARP_END [a^2 / R], or by the fraction CLIFF of the roller's length,
-# is that of a sharp end: no profile of a roller is as deep.
+# The end of a roller is sharp where the gap varies along the length by more than SHARP_END [a^2 / R], or the fraction
+# CLIFF of the roller's length: no profile is as deep.
 SHARP_END, CLIFF = 300.0, 0.5
 # Least cells of the coarsest grid: across in plane strain, else across and along. With twice COARSEST smooth films took
 # 1.5 times the steps; half and twice the others change the time of rough films by less than a fifth. The number of
@@ -89,8 +89,8 @@ class PosedFilm:
     displacement
         Displacement [m] under a pressure [Pa] on the whole grid; its even part is the operator of the dry contact.
     creep
-        The odd part of the displacement, that of each body times the speed [m/s] of its surface, so that the slope of
-        it is a rate of indentation [m/s]; None without creep.
+        The odd part of the displacement, that of each body times minus the speed [m/s] of its surface: its slope is a
+        rate of indentation [m/s]. None without creep.
     """
 
     equation: FilmEquation

@@ -3,8 +3,8 @@
 Pseudo-transient continuation with switched evolution relaxation (Mulder & van Leer 1985; Kelley & Keyes 1998), the
 inequalities by primal-dual active sets (Hintermueller, Ito & Kunisch 2002). One step:
 
-1. Linearise the flow balance of each cell, and add the squeeze term of an implicit step in pseudo-time: from a distant
-   start the film moves as in time, and as the residual falls the step becomes Newton's.
+1. Linearise the flow balance of each cell, and add the squeeze term of an implicit step in pseudo-time. From a distant
+   start the film moves as in time; as the residual falls the step becomes Newton's.
 2. Solve the linear system for the active sets, and correct the sets until they hold: a cell with a negative pressure
    cavitates, one with a negative void fraction no longer does; on a boundary film, a cell whose film would be thinner
    touches, one with a negative asperity pressure no longer does.
@@ -27,44 +27,42 @@ from contactstudy.lubrication.film_equation import Film, FilmEquation, Linearise
 from contactstudy.lubrication.linear_solvers import ActiveSets, FilmCorrection, StepSolver
 
 # Rounding of a pressure over the pressure, and of a film thickness over the largest height: four units in the last
-# place, for the sums of which a thickness is made.
+# place, as a thickness is a sum.
 ROUNDING = 4 * float(np.finfo(float).eps)
-# The constants below were chosen by counts of steps on 70 smooth points, with M 1 to 1000 and L 0 to 20 on 100 to 800
-# cells, and on 75 rough films, all from cold starts.
-# Least film thickness, and least content of a cavitated cell, after a step over that before it, and the limits of the
-# factor of the step in pseudo-time, by the ratio of residuals: with these no point failed.
+# The constants below were chosen by counts of steps from cold starts, on 75 rough and 70 smooth films, the latter with
+# M 1 to 1000 and L 0 to 20 on 100 to 800 cells.
+# Least film thickness, and least content of a cavitated cell, after a step over that before it. Limits of the factor of
+# the step in pseudo-time, by the ratio of residuals. With these no film failed.
 MIN_FILM_FRACTION, MIN_CONTENT_FRACTION, SHRINK, GROW = 0.3, 0.1, 0.3, 4.0
 # Fraction of the cells in which the change of ln(eta) is clipped to its limit where no cell touches, so that single
-# cells do not damp the step: light rough films of 432 x 64 cells took 44 steps in place of 61.
+# cells do not damp the step. Light rough films of 432 x 64 cells took 44 steps with it, 61 without.
 CLIPPED = 2e-3
-# Largest factor of the step in pseudo-time after a damped step, from rough films; and the least factor while the
-# residual falls, or rises by no more than the factor ALLOWED_RISE: 210 points took 2426 steps in place of 2883 with an
-# ALLOWED_RISE of 1.
+# Largest factor of the step in pseudo-time after a damped step, from rough films. Least factor while the residual
+# falls, or rises by no more than the factor ALLOWED_RISE: 210 films took 2426 steps, and 2883 without a rise.
 AFTER_DAMPING, MIN_GROWTH, ALLOWED_RISE = 0.7, 2.0, 1.1
-# Damping factor below which a step is rejected, since a shorter step in pseudo-time costs less than twenty damped ones;
-# the factor of the step in pseudo-time then; and the step where the iteration ends, far below any that led to a film.
+# Damping factor below which a step is rejected, since a shorter step in pseudo-time costs less than twenty damped ones.
+# The factor of the step in pseudo-time then; and the step where the iteration ends, far below any that led to a film.
 MIN_DAMPING, REJECTED, LEAST_TIME_STEP = 0.05, 0.25, 1e-9
 # Largest change of ln(eta) in a step, to which it is damped, of a film that varies along its length or on which
 # asperities may touch. Smooth films in plane strain need no limit: with it they took 2.3 times the steps.
 ROUGH_CHANGE = 6.0
-# Most iterations for the active sets of a step, in plane strain and along the length. There a set moves downstream by a
-# few cells in an iteration, and need not converge in each step: with 12, films in a narrow transition, from full to
-# boundary lubrication within a small change of speed, took three times the linear iterations. SET_CHANGES is the
-# fraction of the cells that may still change sets in the last iteration, far from the solution.
+# Most iterations for the active sets of a step, in plane strain and along the length. Along the length a set need not
+# converge in each step. Films in a narrow transition, from full to boundary lubrication within a small change of speed,
+# took three times the linear iterations with 12, as a set moves by a few cells in each. SET_CHANGES is the fraction of
+# the cells that may still change sets in the last iteration, far from the solution.
 ACTIVE_SETS, ACTIVE_SETS_ALONG, SET_CHANGES = 12, 3, 1e-3
 # Undamped steps within which the residual is halved, or the iteration ends. The slowest film that converges took 105
 # steps, most of them damped.
 STALL_STEPS = 30
-# Largest factor of the residual in a step of a mixed film whose active sets have not converged; beyond it the step is
+# Largest factor of the residual in a step of a mixed film whose active sets have not converged. Beyond it the step is
 # rejected: some of these steps lost all that the iteration had gained.
 UNCONVERGED_RISE = 1.5
 # Compressibility of the lubricant in a step in pseudo-time, over 1 / p_H, in cells that touch or whose film is thinner
-# than NEAR_CONTACT boundary films (Chorin 1967). A film in a narrow transition took 12 steps in place of 27 on 64 x 16
-# cells, with 0.1 and 3 three times as many; on 256 x 64 it converges, without it the residual stayed at 5e-2.
+# than NEAR_CONTACT boundary films (Chorin 1967). With it alone a film in a narrow transition converges on 256 x 64
+# cells. On 64 x 16 cells one took 12 steps in place of 27, and with 0.1 and 3 three times as many.
 ARTIFICIAL_COMPRESSIBILITY, NEAR_CONTACT = 0.3, 2.0
-# A cell enters the contact where its film is thinner than the boundary film by this fraction, which is above the
-# rounding of heights; and the largest residual that counts as rounding, which is up to 2e-8 in smooth films of M = 20
-# to 3000.
+# A cell enters the contact where its film is thinner than the boundary film by CONTACT_TOLERANCE, a fraction above the
+# rounding of heights. Largest residual that counts as rounding, which is up to 2e-8 in smooth films of M = 20 to 3000.
 CONTACT_TOLERANCE, MAX_ROUNDING = 1e-9, 1e-3
 
 
@@ -196,8 +194,8 @@ def _next_time_step(time_step: float, before: float, residual: float, damping: f
 def _residual(linear: Linearised, film: Film) -> float:
     """Return the largest of the unbalanced flow over the flow, the missing load over ``p_H a``, and errors of contact.
 
-    The errors of contact, on a boundary film, are the largest over the cells of ``min(|H / H_b - 1|, P_c)`` and of
-    ``1 - H / H_b``, with the film thickness H and the pressure P_c of asperities over p_H.
+    With the film thickness H and the pressure P_c of asperities over p_H, the errors of contact on a boundary film are
+    the largest ``min(|H / H_b - 1|, P_c)`` and ``1 - H / H_b`` of all cells.
     """
     unbalanced = float(np.abs(linear.residual).sum() / _flow(linear))
     residual = max(unbalanced, abs(linear.equation.load_residual(film)))

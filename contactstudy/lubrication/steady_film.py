@@ -1,7 +1,7 @@
 """Steady film on one grid: nested grids, continuation in speed where a cold start fails, and the contact in SI units.
 
 In mixed lubrication the film ``H = H0 + gap + K (P_f + P_c)``, with the separation H0 and the deflection K of the
-bodies, is no thinner than the boundary film ``H_b``, and where ``H = H_b`` asperities carry a pressure ``P_c >= 0``.
+bodies, is no thinner than the boundary film ``H_b``. Where ``H = H_b`` asperities carry a pressure ``P_c >= 0``.
 Lubricant flows in every cell, by its own pressure ``P_f`` and the thickness. Transverse ridges may have two solutions
 at one speed: ridges in a thick film, or flattened by contact. The film at a higher speed leads to the first where it
 exists, the dry contact to the second. Where cold starts fail, any film is followed from a higher speed down.
@@ -31,32 +31,33 @@ from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
-# The inlet pressure sweep over the half-width is (H / SWEEP)^(2/3) with the film thickness H in Hertz units: there the
+# The inlet pressure sweep over the half-width is (H / SWEEP)^(2/3) with the film thickness H in Hertz units. There the
 # gap beside Hertz's contact, (2 sqrt(2) / 3) x^(3/2), is the film. An inlet that begins x_a half-widths from the axis
-# gives a film that is too thin by the fraction INLET_ERROR H / x_a^2: with x_a = 4 it is so at Moes's load parameter
-# M = 2 and material parameter L = 0, with x_a = 3 and 8 by 0.97 and 0.69; heavier loads lose less, a fifth at M = 20.
+# gives a film that is too thin by the fraction INLET_ERROR H / x_a^2. The factor is 0.97, 0.9 and 0.69 at x_a = 3, 4
+# and 8, for Moes's parameters M = 2, of the load, and L = 0, of the material. Heavier loads lose less, a fifth at M =
+# 20.
 SWEEP, INLET_ERROR = 0.94, 0.9
 # An inlet whose length makes the film thinner by more than the fraction STARVED counts as starved. A film is unresolved
 # on cells wider than the inlet sweep, or if it rises by more than UNRESOLVED_RISE of itself from its lowest cell to the
-# next: up to that the minimum of smooth films at M = 5 to 200, L = 5 and 10 was within 4 %, at twice it within 12 %.
+# next. Up to that the minimum of smooth films at M = 5 to 200, L = 5 and 10 was within 4 %, at twice it within 12 %.
 STARVED, UNRESOLVED_RISE = 0.05, 0.5
 # First step in pseudo-time after a coarser grid [a / u_m], with the mean speed u_m. On rough films a hundredth of it
 # took 1.3 to 4 times as long, and ten times it needed hundreds of linear iterations in its first steps.
 STEP_AFTER_COARSER = 0.3
 # In plane strain a second film is sought where the rms height is more than ROUGH times the film, by heights that grow
-# from LOWEST times the film by the factor GROWTH: waves at M = 30 to 100, L = 0 had two from 1.3 times the film on. From
-# one or two times the film the cold start found the same film as at the full height. Two films are distinct by more
-# than DISTINCT in their mean thickness, relative, or in the part of the load that asperities carry.
+# from LOWEST times the film by the factor GROWTH. Waves at M = 30 to 100, L = 0 had two from 1.3 times the film on.
+# From one or two times the film the cold start found the same film as at the full height. Two films are distinct by
+# more than DISTINCT in their mean thickness, relative, or in the part of the load that asperities carry.
 ROUGH, LOWEST, GROWTH, DISTINCT = 1.0, 0.5, 1.25, 0.01
 # Continuation in speed where no cold start converges, without and with asperities: factor of a step, most increases,
 # and least factor of a decrease. Those with asperities, and the constants below, were chosen by what converges on
 # ridges at 1 to 1e-6 times a speed, at which Moes's load parameter was 20 and 100.
 SPEEDS, MIXED_SPEEDS = (10.0, 4, 1.05), (1.3, 5, 1.02)
-# First step in pseudo-time from the dry contact, which is nearly Newton's: 5 to 9 steps where asperities carry more
-# than 0.88 of the load; and the residual of that dry contact.
+# First step in pseudo-time from the dry contact, nearly Newton's: it takes 5 to 9 steps where asperities carry more
+# than 0.88 of the load. Residual of that dry contact.
 FROM_DRY, DRY_RESIDUAL = 10.0, 1e-10
-# Factors on the speed of the films and the dry contacts from which other films are sought: of eight speeds of three
-# waves, where two films were known, one or both led to the other.
+# Factors on the speed of the films and the dry contacts from which other films are sought. At eight speeds of three
+# waves two films were known, and one start or both led to the other.
 FASTER, SLOWER = 4.0, 3.0
 
 
@@ -128,8 +129,8 @@ def _films(posed: PosedFilm, controls: FilmControls, before: FilmSolution | None
     """Iterate over films from several starts, the best first: one `before`, cold starts, and higher speeds.
 
     A film is solved when it is asked for. On a boundary film the cold starts are the film of the lubricant alone where
-    that is thicker, Hertz's pressure on the film of Moes, and the dry contact, which comes first where the film of Moes
-    is thinner than the boundary film. Such a film is followed from higher speeds in plane strain alone.
+    that is thicker, Hertz's pressure on the film of Moes, and the dry contact. The last comes first where the film of
+    Moes is thinner than the boundary film. Such a film is followed from higher speeds in plane strain alone.
     """
     equation, is_thick = posed.equation, posed.scales.expected_film > posed.equation.boundary_film
     if before is not None:

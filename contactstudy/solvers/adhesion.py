@@ -7,9 +7,9 @@ With the pressure p, the attraction (cohesive traction) t and the undeformed gap
 under the load ``sum(p - t)`` or at a given approach. The method is the convex-concave procedure. The energy is convex
 in the displacements but for that of the surfaces, minus the remaining work of separation, which is concave where
 sigma falls with the gap. An outer iteration freezes t, solves the contact with the heights ``h - K t`` under the load
-``L + sum(t)``, and takes ``t = sigma(g)``: the concave part is replaced by its tangent, so that the energy never rises.
-Anderson's (1965) mixing of the last attractions accelerates it; a mixed iterate that raises the energy by more than its
-remaining change of the attraction leaves uncertain is rejected.
+``L + sum(t)``, and takes ``t = sigma(g)``. This replaces the concave part by its tangent, so that the energy never
+rises. Anderson's (1965) mixing of the last attractions accelerates it; a mixed iterate is rejected if it raises the
+energy by more than is uncertain while the attraction still changes.
 
 Without mixing the iteration is monotone in the attraction that it starts from. From zero it rises to the least adhesive
 state, the approach (jump-in) branch; from the largest attraction everywhere it falls to the most adhesive one, the
@@ -57,8 +57,8 @@ def is_cut_off(problem: Problem, attraction: Array) -> bool:
 
 
 # Solves a problem without adhesion, together with a state of the bodies such as plastic strain. Its arguments are the
-# problem, whose heights contain the displacement by the frozen attraction, that attraction (x, y) [Pa], options, and a
-# pressure (x, y) [Pa] to begin with or None. It returns the contact and the energy [J] that the state adds.
+# problem, the frozen attraction (x, y) [Pa], by which the heights of the problem are displaced, options, and a pressure
+# (x, y) [Pa] to begin with or None. It returns the contact and the energy [J] that the state adds.
 InnerSolve = Callable[[Problem, Array, SolveOptions, Array | None], tuple[Solution, float]]
 
 
@@ -164,8 +164,8 @@ class _State(NamedTuple):
     """Contact under a frozen attraction, the `iterate` (x, y) [Pa], and the attraction at its gap, the `image` (x, y).
 
     `displacement` (x, y) [m] is that of the surface by the frozen attraction. `change` is the distance between both
-    attractions over the sum of the second, `energy` [J] that of the bodies, the load and the surfaces, and
-    `uncertainty` [J] what the change leaves uncertain of it, of second order as the energy is stationary.
+    attractions in L1 over the sum of the second, `energy` [J] that of the bodies, the load and the surfaces.
+    `uncertainty` [J] is its error by the change, of second order as the energy is stationary.
     """
 
     contact: Solution
@@ -259,7 +259,7 @@ class _OuterIteration:
         return _State(contact, attraction, image, displacement, relative_change, energy, uncertainty)
 
 
-# Largest number of iterations of each load but the first, over that of a solve: just beyond the last stable load the
+# Largest number of iterations of each load but the first, over that of a solve. Just beyond the last stable load the
 # bodies detach slowly, in up to four times the iterations of the first load.
 ITERATION_FACTOR = 10
 # Step of the load over the sum of the attraction, until a load is unstable: 0.1 takes 44 % more convolutions of the four

@@ -39,8 +39,8 @@ class Comparison:
     l1
         ``sum |p_b - p_a| / sum |p_a|`` of the means over the larger cells of both grids, as in error estimates.
     peak_pressure, contact_area, load
-        ``b / a - 1`` of the net peak pressure, the area of cells in contact, and the load of the net pressure; the area
-        is NaN for films.
+        ``b / a - 1`` of the net peak pressure, the area of cells in contact, and the load of the net pressure. The area
+        is NaN for films. Where the bodies of a do not touch, area and peak are NaN.
     approach
         ``b - a`` [m], meaningful if both are counted from the same point, as on one grid with one load. NaN for films.
     largest, position
@@ -71,7 +71,7 @@ class Comparison:
         x, y = (readable(coordinate, "m") for coordinate in self.position)
         lines = [
             f"pressure in L1: {100 * self.l1:.3g} %",
-            f"peak pressure: {100 * self.peak_pressure:+.3g} %",
+            *[f"peak pressure: {100 * self.peak_pressure:+.3g} %"] * isfinite(self.peak_pressure),
             *[f"contact area: {100 * self.contact_area:+.3g} %"] * isfinite(self.contact_area),
             f"load: {100 * round(self.load, 9) + 0.0:+.3g} %",  # without rounding errors
             f"largest difference: {readable(self.largest, 'Pa')} at x = {x}, y = {y}",
@@ -144,8 +144,8 @@ def compare(a: Any, b: Any) -> Comparison:
     forces = _sums_over_larger_cells(across, y, y_a, y_b, axis=1)
     return Comparison(
         l1=float(np.abs(forces).sum()) / total,
-        peak_pressure=float(p_b.max() / p_a.max() - 1),
-        contact_area=areas[1] / areas[0] - 1,
+        peak_pressure=float(p_b.max() / p_a.max() - 1) if p_a.max() > 0 else np.nan,
+        contact_area=areas[1] / areas[0] - 1 if areas[0] else np.nan,
         load=loads[1] / loads[0] - 1 if loads[0] else np.nan,
         approach=float(second.get("approach", np.nan) - first.get("approach", np.nan)),
         largest=float(np.abs(change[index])),

@@ -50,6 +50,13 @@ def test_cells_count_by_their_area() -> None:
         assert cs.compare(a, b).l1 == pytest.approx(l1, abs=1e-5)
 
 
+def test_bodies_that_only_attract_each_other_have_no_area_and_no_peak_to_relate_others_to() -> None:
+    apart = contact([[0], [0]]).assign(attraction=(("x", "y"), np.array([[2.0], [2.0]])))
+    found = cs.compare(apart, contact([[1], [0]]))
+    assert np.isnan([found.contact_area, found.peak_pressure]).all()
+    assert str(found).splitlines()[:2] == ["pressure in L1: 125 %", "load: -125 %"]
+
+
 def over_time(*pressures: Any, times: tuple[float, ...]) -> xr.Dataset:
     frames = xr.concat([contact(pressure) for pressure in pressures], "time")
     return frames.assign_coords(time=list(times))

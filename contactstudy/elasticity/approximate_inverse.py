@@ -10,10 +10,10 @@ The active set is the cells in contact, whose gap should be zero. For a displace
 is made once for an active set, and then maps fields: it holds steps 1 and 3 in one object.
 
 Extending ``u`` by zeros instead makes a fragmented contact far too stiff, by more with every halving of the cells. With
-``w`` = 1 in the contact and 0 elsewhere, the extension outside the contact is the weighted mean ``G(u) / G(w)``, a
-normalised convolution, in which the nearest cells of the contact weigh most.
+``w`` = 1 in the contact and 0 elsewhere, the extension outside the contact is the weighted mean ``G(u) / G(w)``. In this
+normalised convolution the nearest cells of the contact weigh most.
 
-The extension of least energy is the mean of ``u`` over the first hitting point of a Levy flight whose jumps are
+The extension of least energy is the mean of ``u`` over the first hitting point of a Levy flight. Its jumps are
 distributed as the inverse ``S`` of the operator couples cells, like ``r^-3`` (Kyprianou, Osojnik & Shardlow 2018). The
 kernel of this extension falls like ``r^-3`` beyond the width of the holes in the contact, and more slowly within. So
 does the kernel of ``G = (1 + t S)^(-1/2)``: it is positive, a mixture of Poisson's kernels, and falls like ``r^-3/2``

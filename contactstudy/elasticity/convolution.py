@@ -98,8 +98,8 @@ class BoussinesqCoefficients:
 
 
 # Datum of a body with free faces over its length. The loads on it are mirrored about both faces, in a row without end.
-# With a datum of ``2 exp(1 - 0.577) = 3.05`` lengths, here rounded (0.577 is Euler's constant), the loads beyond the two
-# neighbouring images together do not displace the middle of the body.
+# Those beyond the two neighbouring images together do not displace the middle of the body with a datum of
+# ``2 exp(1 - 0.577) = 3.05`` lengths, here rounded; 0.577 is Euler's constant.
 DATUM_OVER_LENGTH = 3.0
 
 
@@ -181,9 +181,9 @@ def _on_axes(across: _Axis, along: _Axis, coefficients: Coefficients) -> Array:
 def _summed(coefficients: Callable[[Array], Array], axis: _Axis, parity: int) -> Array:
     """Return the sum (offsets, ...) of ``coefficients(d + m L)`` over the periods m of the window, for known offsets d.
 
-    L is the period of the axis. `coefficients` maps offsets (n,) to (n, ...) and is even or odd, by its `parity`, so
-    that the offsets of one period serve two images: the one ahead and, reversed, the next one behind. Far images are
-    added first: small terms are summed before large ones.
+    L is the period of the axis. `coefficients` maps offsets (n,) to (n, ...) and is even or odd, by its `parity`. So the
+    offsets of one period serve two images: the one ahead and, reversed, the next one behind. Far images are added
+    first: small terms are summed before large ones.
     """
     window, count = axis.padding.window, axis.cells
     assert window is not None

@@ -41,13 +41,13 @@ from contactstudy.elasticity.convolution import (
 from contactstudy.elasticity.kernels.stress import BOUSSINESQ, COMPONENTS, CellKernel
 from contactstudy.elasticity.transforms import ComplexField, transforms
 
-# The changes that are named below by other values of a constant are under Hertz's pressure on a body 8 half-widths
-# long, over the largest value: of displacement in cells of 1/8 of a half-width, and of stress at depths of 0.1 to 1
-# half-width in cells of 1/4.
+# Changes by other values of a constant are given below as fractions of the largest displacement or stress under Hertz's
+# pressure, on a body 8 half-widths long. Cells are 1/8 of a half-width for displacement, and 1/4 for stress, which is
+# taken at depths of 0.1 to 1 half-width.
 #
-# Ratio of neighbouring distances from the face in the table; on a grid every third of them is used, a ratio of 1.33,
-# between which values are interpolated by cubics in the logarithm of the distance. The root of the first ratio changes
-# displacement by 8e-5, its square by 3e-4; a stride of 1 by 7e-6, of 6 by 1e-4.
+# Ratio of neighbouring distances from the face in the table, of which a grid uses every third, the stride. Between,
+# values are interpolated by cubics in the logarithm of the distance. The root of the ratio changes displacement by 8e-5,
+# its square by 3e-4; a stride of 1 by 7e-6, of 6 by 1e-4.
 RATIO, STRIDE = 1.1, 3
 # First and last distance in the table, in units of 1 / k. The first is short enough for cells of 4e-6 widths of the
 # grid; at the last exp(-30) is left.
@@ -57,8 +57,8 @@ NEAREST, FARTHEST = 1e-8, 30.0
 FIRST_NODE = 0.0625
 # Length and power p of the coupling of both faces, fitted. What a load adds at its own face, it takes from the other
 # face in the ratio ``exp(-(k L / length)^p)``, in a body of the length L. So both faces together sink over the middle
-# as finite elements of such bodies under waves do, within 6 % for Poisson's ratio 0.3 and k L from 0.4 to 10, where two
-# quarter-spaces sink 1 to 6 times as much.
+# as in finite elements of such bodies under waves, within 6 % for Poisson's ratio 0.3 and k L from 0.4 to 10. Two
+# quarter-spaces would sink 1 to 6 times as much.
 COUPLING = 2.0, 1.15
 # Where the response across is summed from waves, it repeats after 2 WIDTHS widths of the grid: its images then are at
 # least 15 widths away. Half of this number changes displacement by 2e-4, twice by 7e-5.
@@ -357,7 +357,7 @@ def cardinal(index: Array, count: int) -> Array:
 
 
 # For each component of stress in the body: its name in the half-space behind the first face, whose depth z is the
-# body's y; and the sign by which a load on the second face makes it, over that by the same load on the first face.
+# body's y; and its sign by a load on the second face, over that by the same load on the first one.
 ON_FACE = {
     "xx": ("xx", 1), "yy": ("zz", 1), "zz": ("yy", 1), "yz": ("yz", -1), "xz": ("xy", 1), "xy": ("xz", -1),
 }  # fmt: skip

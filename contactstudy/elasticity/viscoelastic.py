@@ -57,9 +57,9 @@ class Creep:
 def creep_from_relaxation(equilibrium_modulus: float, relaxation: tuple[tuple[float, float], ...]) -> Creep:
     """Return the creep of a body whose modulus relaxes as ``E_inf + sum(E_i exp(-t / tau_i))``.
 
-    The rates -1 / lambda_i are the zeros of ``E(s) = E_inf + sum(E_i s / (s + 1 / tau_i))``: one between each pair of
-    neighbouring rates 1 / tau_i, and one below them all, at 0 in a fluid, so that each is bracketed. Source: Park &
-    Schapery (1999), Int. J. Solids Struct. 36, eqs. 13 to 23.
+    The zeros of ``E(s) = E_inf + sum(E_i s / (s + 1 / tau_i))`` are at ``s = -1 / lambda_i``. The rates 1 / lambda_i are
+    bracketed: one is between each pair of neighbouring rates 1 / tau_i, and one below them all, at 0 in a fluid.
+    Source: Park & Schapery (1999), Int. J. Solids Struct. 36, eqs. 13 to 23.
 
     Parameters
     ----------

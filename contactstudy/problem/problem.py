@@ -94,9 +94,9 @@ class Operator(Protocol):
 GAP_ROUNDINGS = 2.0
 
 
-# Of the start on a Winkler foundation, judged by the convolutions of 15 contacts: the compliance of the first
-# foundation over that of a cell, which from 1 to 20 changes the convolutions by 0.9 to 1.4 times; and the ratio of the
-# sides of a cell above which the start is uniform. With a ratio of 3 a roller takes two convolutions more.
+# Of the start on a Winkler foundation: the compliance of the first foundation over that of a cell, and the ratio of the
+# sides of a cell above which the start is uniform. With compliances from 1 to 20, solves of 15 contacts take 0.9 to 1.4
+# times as many convolutions. With a ratio of 3 a roller takes two convolutions more.
 COMPLIANCE_RATIO, ASPECT_RATIO = 4.0, 30.0
 
 
@@ -413,7 +413,7 @@ class Problem:
 # Number of arrays of the grid's size that a solve holds at once: within 0.7 to 1.5 of what was measured.
 SOLVE_FIELDS = 14
 # Number of arrays of the padded grid's size that a solve holds at once: the spectrum of its operator and the waves of a
-# field, and on a GPU two more, the work arrays of its transforms.
+# field. On a GPU the work arrays of its transforms are two more.
 TRANSFORM_PAIR, PAIR_AND_WORK = 2, 4
 # Bytes that any machine has free: asking the system takes as long as a solve of some hundred cells.
 FREE_ON_ANY_MACHINE = 2**24

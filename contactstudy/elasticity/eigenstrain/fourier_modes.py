@@ -56,11 +56,11 @@ def means(ratio: Array) -> tuple[Array, Array]:
 class Sources:
     """Amplitudes [Pa] of the Fourier modes of plastic strain in layers.
 
-    Where strain jumps from a layer to the one below, modes ``(a + b q z) exp(-q z)`` of Airy's stress function times
-    q^2 and ``c exp(-q z)`` of the antiplane stress -nt decay downwards from there, and others upwards: these are linear
-    in the jump. `down` and `up` are their amplitudes a, b and c for each layer's own strain, (3, layers, ..., waves).
-    `zz`, `tt` and `tz` (layers, ..., waves) are the stress of a layer whose displacement does not change with depth; its
-    other components are zero.
+    Where strain jumps from a layer to the one below, modes decay downwards from there, and others upwards, all linear
+    in the jump. They are ``(a + b q z) exp(-q z)`` of Airy's stress function times q^2, and ``c exp(-q z)`` of the
+    antiplane stress -nt. `down` and `up` are their amplitudes a, b and c for each layer's own strain, (3, layers, ...,
+    waves). `zz`, `tt` and `tz` (layers, ..., waves) are the stress of a layer whose displacement does not change with
+    depth; its other components are zero.
     """
 
     down: Array
@@ -126,8 +126,8 @@ def layer_stresses(sources: Sources, top: Array, layers: Sequence[CellLayer], nu
     number of layers, not with its square.
     """
     count = len(layers)
-    # amplitudes of modes that decay upwards at the lower side of each layer, and of those downwards at its upper side;
-    # at each side the sources are those of the strain below less those of the strain above, which is zero outside
+    # `up` are the amplitudes at the lower side of each layer, `down` those at its upper side; at each side the sources
+    # are those of the strain below less those of the strain above, and the strain is zero outside the layers
     up, down = np.empty_like(sources.up), np.empty_like(sources.down)
     state = -sources.up[:, -1]
     for number in range(count - 1, -1, -1):
@@ -155,8 +155,8 @@ def layer_stresses(sources: Sources, top: Array, layers: Sequence[CellLayer], nu
     return zz - 2 * b, tt, sources.zz - zz, nz, -m0 * sums[2], tz
 
 
-# Function that returns the means of the stress over a layer under a unit wave of traction, from the wave number q times
-# the depth of its upper side, the layer, Poisson's ratio and the direction of the wave (c, s).
+# Function that returns the means of the stress over a layer under a unit wave of traction. Its arguments are the wave
+# number q times the depth of the layer's upper side, the layer, Poisson's ratio and the direction of the wave (c, s).
 TractionWave = Callable[[Array, CellLayer, float, tuple[Array, Array]], Tensor]
 
 

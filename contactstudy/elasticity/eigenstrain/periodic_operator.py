@@ -1,9 +1,9 @@
 """Stress by plastic strain that varies along the length, where all repeats, below a surface that is infinite across.
 
-The mean along the length is plane strain and antiplane shear. Antiplane shear, the stress xy and yz by plastic strain
-that does not vary along y, has closed forms: means over cells of second derivatives of the Green's function of the
-Laplacian with a free surface, ``N = (ln r + ln R) / (2 pi)``, where r is the distance from the source and R that from
-its mirror source above the surface. The part that varies along the length is a sum of waves.
+The mean along the length is plane strain and antiplane shear: the stress xy and yz by plastic strain that does not vary
+along y. Antiplane shear has closed forms, means over cells of second derivatives of ``N = (ln r + ln R) / (2 pi)``. N is
+Green's function of the Laplacian with a free surface, with the distances r from the source and R from its mirror source
+above the surface. The part that varies along the length is a sum of waves.
 """
 
 from collections.abc import Callable, Iterator
@@ -40,9 +40,10 @@ def antiplane_convolution(volume: Volume, moduli: Moduli) -> LayerConvolution:
 
     Minus the residual stress over 2G is the plastic strain less the total strain, which is given by second derivatives
     of the function N in the docstring of this module. Means over the cells of stress and sums over those of strain are
-    differences of its integrals. Of ln r these depend on the difference of the depths of stress and source, so that a
-    difference over the depth of the source changes their sign; of ln R they depend on the sum. The derivatives xx and zz
-    of ln R add up to zero, and the means of those of ``ln r / (2 pi)`` to 1 in the cell of the strain, to 0 in others.
+    differences of integrals of N. Integrals of ln r depend on the depth of the stress less that of the source, so that a
+    difference over the depth of the source changes their sign; those of ln R depend on the sum of both depths. The
+    derivatives xx and zz of ln R add up to zero. The means of those of ``ln r / (2 pi)`` add up to 1 in the cell of the
+    strain, to 0 in others.
     """
     edges = np.array(volume.edges) / volume.grid.cell_size[0]
     x = np.arange(-1.0, volume.shape[1] + 1)
@@ -79,8 +80,8 @@ def _integrals(x: Array, z: Array) -> Array:
 
 # A wave with wave number k along the length decays across like exp(-k |x|). The period across is so long that its
 # repeated image has at most this fraction of it. With 1e-4 or 1e-14 the stress by a smooth strain changes by 2e-9 of its
-# largest, but by noise from cell to cell by 2e-4: between layers that are no neighbours waves end at two cells, and what
-# these make decays across like 1 / |x| alone.
+# largest. The stress by noise from cell to cell changes by 2e-4: between layers that are no neighbours, waves shorter
+# than two cells are left out, and what is left decays across like 1 / |x| alone.
 WRAP = 1e-8
 # Number of complex values of one component of a field up to which waves are transformed together: half a megabyte, which
 # stays in the cache of a core.
@@ -255,7 +256,7 @@ def _groups(volume: Volume, moduli: Moduli) -> Iterator[WaveGroup]:
         reach = max(volume.last - window.start, window.stop - volume.first)
         period = _odd(max(reach + decay_cells, window.stop - window.start))
         # shorter waves decay over a shorter distance and may use the same period: below order 8 up to twice the first
-        # order, and any number above, where longer transforms cost less than transforms of few orders
+        # order. Above, any number may: longer transforms cost less there than transforms of few orders
         count = max(1, min(TOGETHER // (layers * period), order if order < 8 else ny))
         orders = np.arange(float(order), min(order + count, last + 1))
         order += count

@@ -122,8 +122,8 @@ class LayerResponse:
     def pole_distance_from_real_axis(self) -> float:
         """Lower bound of the distance of poles of the remainders in the right half-plane from the real axis.
 
-        With the ratio of moduli m, a stiff layer on a soft half-space has a pole at a distance of m^(-1/3), several
-        layers, as two stiff ones that shear a soft one between them, at m^(-1/2). On the imaginary axis itself an
+        With the ratio of moduli m, a stiff layer on a soft half-space has a pole at a distance of m^(-1/3). Several
+        layers, such as two stiff ones that shear a soft one, have one at m^(-1/2). On the imaginary axis itself an
         incompressible layer on a rigid half-space has a pole at 0.74, where what is integrated along that axis has
         decayed. Half or twice the factor 0.85 changes no coefficient beyond rounding.
         """
@@ -189,9 +189,9 @@ class LayerResponse:
     def compliances(self, k: RealOrComplex) -> RealOrComplex:
         """Return four displacements of the surface under waves `k` (k,), each times k over the load (4, k).
 
-        They are the one along the normal by pressure and the one along the wave by shear along the wave, in units of
-        ``2 (1 - nu^2) / E`` of the top layer; their coupling, the one along the wave by s_zz, in units of 1 / (2 G);
-        and the one along the crests by shear along these, in the unit of the first.
+        In order: along the normal by pressure, and along the wave by shear along the wave, in units of ``2 (1 - nu^2) /
+        E`` of the top layer; their coupling, along the wave by s_zz, in units of its 1 / (2 G); and along the crests by
+        shear along these, in the unit of the first.
         """
         plane, stiff = self.plane(k)[0], 1 - self.poisson_ratios[0]
         normal, along = -plane[:, 1, 0] / (2 * stiff), -plane[:, 0, 1] / (2 * stiff)
@@ -307,7 +307,7 @@ class DisplacementWaves(WaveResponse):
     """Displacement of the surface that the half-space adds to that of the same layers on more of the deepest layer.
 
     Fields "xx", "xy" and "yy" are the displacements along the surface under traction, and "z" is that along the normal
-    under pressure, over ``(1 - nu1^2) / (pi E1)`` of the top layer; "x" and "y" are the normal displacement under
+    under pressure, all over ``(1 - nu1^2) / (pi E1)`` of the top layer. "x" and "y" are the normal displacement under
     traction along either axis, over ``1 / (4 pi G1)``. The closed form are the :attr:`LayerResponse.contrasts` times
     ``exp(-2 k)``: under long waves they make the displacement that of the half-space alone.
 
@@ -406,10 +406,10 @@ class StressWaves(WaveResponse):
     """Stress at one depth under a wave of load, and its change by the layers.
 
     In the layers it is the change from the same layers on a half-space of the deepest layer's material, below them that
-    from the half-space without layers. Its closed form in a layer is a change of the stresses along the surface, taken
-    at the depth of the point's mirror image in the deepest interface: the stress of this layer under the strain of the
-    half-space there, less that under the strain of one of the deepest layer's material. There is none below the layers.
-    Fields are the components of stress over the load, such as "xz".
+    from the half-space without layers. Its closed form in a layer is a change of the stresses along the surface, by
+    strains at the depth of the point's mirror image in the deepest interface. It is the stress of this layer under the
+    strain of the half-space there, less that under the strain of a half-space of the deepest layer's material. Below
+    the layers there is no closed form. Fields are the components of stress over the load, such as "xz".
 
     Parameters
     ----------
@@ -490,9 +490,9 @@ class StressWaves(WaveResponse):
     def stresses(self, k: RealOrComplex) -> RealOrComplex:
         """Return the stress of the body under waves with real or imaginary numbers `k` (k,).
 
-        Under a unit pressure it is (s_zz, s_xz, s_xx) (3, k). For the other loads it is that under a unit shear along
-        the wave, then (s_yz, s_xy) under a unit shear along its crests, with the stress proportional to exp(i k x) and
-        s_xy divided by i (5, k). s_xx follows from s_zz and the strain along x: ``(1 - nu) s_xx = 2 G du/dx + nu
+        Under a unit pressure it is (s_zz, s_xz, s_xx) (3, k). For the other loads (5, k) it is these three under a unit
+        shear along the wave, then (s_yz, s_xy) under a unit shear along its crests. Stress is proportional to exp(i k
+        x), and s_xy is divided by i. s_xx follows from s_zz and the strain along x: ``(1 - nu) s_xx = 2 G du/dx + nu
         s_zz``.
         """
         compliance, traction = self.materials.plane(k, self.depth)

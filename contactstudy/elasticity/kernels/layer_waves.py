@@ -43,8 +43,8 @@ NEGLIGIBLE_EXPONENT = 42.0
 # Number of Gauss points on each piece of k, which is at most two oscillations long: their error is within rounding.
 GAUSS_POINTS = 18
 # Terms of the Taylor series of a spectrum about k = 0; how many of them the far field of a point load has in closed
-# form; and the fraction of the circle of convergence within which the others stand for the rest of the spectrum, where
-# differences would cancel. The first term left out is 0.02^6 of the first one taken.
+# form; and the fraction of the circle of convergence within which the other terms are the rest of the spectrum: a
+# difference would cancel there. The first term left out is 0.02^6 of the first one taken.
 SERIES_TERMS, LONG_TERMS, SERIES_END = 9, 3, 0.02
 
 
@@ -397,10 +397,10 @@ class WaveCoefficients:
 def _lattice(waves: WaveResponse, cell: tuple[float, float], bands: Bands, along: int, rows: int) -> dict[str, Array]:
     """Return all fields (rows, along) of one cell of a lattice at the first `rows` of its centres, by name.
 
-    `cell` has the sides (dx, dy) of a cell, `along` is the number of cells along y. Each of the `bands` is the number
-    of its first wave along y, and the number of cells across of the lattice on which its waves are summed, those from
-    there to the next band. For a row, which has no images across, each lattice is so wide that the waves of its band
-    have decayed from the images to the first `rows`.
+    `cell` has the sides (dx, dy) of a cell, `along` is the number of cells along y. A band is the waves along y from its
+    first one to the next band; `bands` has the number of this first wave, and the number of cells across of the lattice
+    on which the band is summed. For a row, which has no images across, each lattice is so wide that the waves of its
+    band have decayed from the images to the first `rows`.
 
     Waves that are long along both axes are summed on these lattices. Others are summed on small ones about the cell
     (Ewald 1921): those that are short along the longer side of a cell alone, then those that are short along the

@@ -20,8 +20,8 @@ from contactstudy.domain.grid import Array
 from contactstudy.elasticity.kernels.displacement import column_and_row, mean_gauss_rule
 
 # Distance from a cell, in units of its longer side, up to which its field is the difference of the values of a
-# primitive at the four corners: there this loses up to the square of the distance times the cell's aspect, in units of
-# rounding.
+# primitive at the four corners. By cancellation this has an error of up to the square of the distance times the aspect
+# ratio of the cell, in units of rounding.
 CORNER_DISTANCE = 4.0
 # First distance and number of Gauss points of each zone beyond. From 4, 9, 20, 80 and 1000 sides on the field of a
 # point is analytic in a Bernstein ellipse of rho >= 16, 36, 80, 320 or 4000 about the cell, so that so many points
@@ -471,7 +471,7 @@ class StressCoefficients:
 
     They are :class:`~contactstudy.elasticity.convolution.Coefficients`, even or odd in x and y to the last bit. The
     response of one cell has an error of 1e-12 of the largest component at that distance, for ``dx / dy`` from 0.1 to
-    10; beyond, the error grows in proportion to this ratio or its inverse. For a row or a lattice it is 1e-12 of the
+    10. Beyond, the error grows in proportion to this ratio or its inverse. For a row or a lattice it is 1e-12 of the
     largest component, of one cell or of all together, whichever is larger.
 
     Parameters

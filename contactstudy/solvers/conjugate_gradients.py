@@ -1,10 +1,10 @@
 """Conjugate gradients: for linear equations, for a contact by Polonsky & Keer (1999), and preconditioned for a contact.
 
-A contact is a quadratic programme: the pressure p within its limits has the least complementary energy ``1/2 p K p + p
-h``, with the map K from pressure to displacement and the undeformed gap h. The gradient is the gap. The active set is
-the cells at no limit of their pressure, in which the gap should be zero; an array of it is 1 there and 0 elsewhere.
-Fields are dimensionless, and of a :class:`~contactstudy.problem.problem.BareProblem`. Its operations on them are loops
-fused for the CPU or the GPU. One convolution is one application of K.
+A contact is a quadratic programme: the pressure p within its limits has the least complementary energy,
+``1/2 p K p + p h``. Here K maps pressure to displacement, and h is the undeformed gap. The gradient is the gap. The
+active set is the cells at no limit of their pressure, in which the gap should be zero; an array of it is 1 there and 0
+elsewhere. Fields are dimensionless, and of a :class:`~contactstudy.problem.problem.BareProblem`. Its operations on them
+are loops fused for the CPU or the GPU. One convolution is one application of K.
 """
 
 from collections.abc import Callable
@@ -80,9 +80,9 @@ def conjugate_gradients(
     """Return an approximate solution x of ``product(x) = rhs``.
 
     The operator `product` and the preconditioner `precondition` are self-adjoint and positive semidefinite in the inner
-    product `inner`. The iteration begins with zero, and ends where the norm of the residual, ``sqrt(inner(r, M r))``
-    with the preconditioner M, has fallen to `rtol` times the first one, after `maxiter` applications of the operator,
-    or at a direction without curvature. Source: Hestenes & Stiefel (1952), eq. 3:1.
+    product `inner`. The iteration begins with zero. It ends where the norm of the residual, ``sqrt(inner(r, M r))``
+    with the preconditioner M, is `rtol` times the first one, after `maxiter` applications of the operator, or at a
+    direction without curvature. Source: Hestenes & Stiefel (1952), eq. 3:1.
     """
     solution, residual = np.zeros_like(rhs), rhs
     preconditioned = precondition(residual)
@@ -105,7 +105,7 @@ def conjugate_gradients(
 
 
 # Relative residual of a tangent operator, with which Newton's method of a plastic step takes as many iterations as with
-# an exact one, and the largest number of its operator applications; up to 3 were seen on smooth and rough contacts.
+# an exact one. Most operator applications in it: up to 3 were seen on smooth and rough contacts.
 TANGENT_RTOL, TANGENT_MAXITER = 1e-2, 200
 
 
@@ -149,8 +149,9 @@ class PolonskyKeer:
     gains a cell.
 
     An iteration takes two convolutions. Source: Polonsky & Keer (1999), Wear 231, sect. 3. Additions: an upper limit of
-    the pressure, a prescribed approach, a restart where the direction is not a descent direction, the step of a Winkler
-    foundation for a single cell, and a projected gradient step where scaling to the load leaves no descent direction.
+    the pressure, a prescribed approach, and the step of a Winkler foundation for a single cell. Where the direction is
+    no descent direction the iteration restarts; where scaling to the load leaves none it takes a projected gradient
+    step.
 
     Parameters
     ----------
@@ -215,14 +216,14 @@ class PolonskyKeer:
 
 # Constants of the preconditioned iteration, chosen for few iterations on rough contacts with 9 % to 100 % of the area
 # of Hertz. A step that a limit cut off is taken in whole where the complementary energy is least beyond this fraction
-# of it: the whole step then lowers that energy too, which is quadratic along it.
+# of it. Since the energy is quadratic along the step, the whole one then lowers it too.
 LEAST_FRACTION = 0.5
 # Limits of the trial step length. The preconditioner is stiffer than the contact, not softer, so that steps beyond 1
 # overshoot; the lower limit keeps rounding from shortening all further steps.
 SHORTEST, LONGEST = 0.1, 1.0
-# Fraction of its first residual at which a coarse grid ends. Interpolation to a rough surface has about a third of that
-# residual, so that a smaller fraction gains nothing; 0.1 costs an iteration on rough contacts of 96 x 96 and 512 x 512
-# cells.
+# Fraction of its first residual at which a coarse grid ends. A smaller fraction gains nothing, as interpolation to a
+# rough surface leaves about a third of the first residual; 0.1 costs an iteration on rough contacts of 96 x 96 and 512
+# x 512 cells.
 COARSE_REDUCTION = 0.02
 # Number of cells up to which no coarser grids are used: iterations there cost nearly as much. With 1024 a line of 4096
 # cells takes 20 convolutions in place of 33, and contacts that vary along both axes take no fewer.
@@ -268,9 +269,9 @@ class ContactPreconditioner:
         """Return the active set (x, y) predicted for a step, whether a cell entered it, and the preconditioned residual.
 
         The preconditioned residual is the pressure (x, y) that would close the gap of the set by the approximate
-        inverse. The set is the cells with pressure, and those that would penetrate after a step of this length that
-        closes the gap of the former and displaces the cells beside them. By the gap before the step, every cell with a
-        small overlap would enter where the pressure of a wide region is slightly too small.
+        inverse. The set is the cells with pressure, and those that would penetrate after a step of this length. The
+        step closes the gap of the former and displaces the cells beside them. By the gap before the step, every cell
+        with a small overlap would enter where the pressure of a wide region is slightly too small.
         """
         operations = self._problem.operations
         active, gap_of_set = operations.active_set(pressure, gap.height, self._inverse.real)
@@ -363,10 +364,10 @@ class Descent:
         Return the slope of the energy along the step, and whether limits of the pressure cut it off.
 
         The direction is against the preconditioned residual, plus beta times the `last` step, at whose start the
-        pressure was what `trial` holds first. The direction is zero outside the active set, and such that the load
-        stays as it is; under a prescribed approach it has a uniform part too, which closes the mean gap, and the load
-        follows. Beta is that of Hestenes & Stiefel (1952), eq. 3:1; it is 0 where a cell entered the active set, a
-        limit cut the last step off, or the direction would not be a descent direction.
+        pressure was what `trial` holds first. The direction is zero outside the active set, and keeps the load. Under a
+        prescribed approach the load follows: the direction has a uniform part, which closes the mean gap. Beta is that
+        of Hestenes & Stiefel (1952), eq. 3:1; it is 0 where a cell entered the active set, a limit cut the last step
+        off, or the direction would not be a descent direction.
         """
         pressure, height, control = self.pressure, self.gap.height, self.problem.control
         operations, preconditioner = self.problem.operations, self._preconditioner
@@ -422,8 +423,8 @@ class PreconditionedCG:
         Residual at which iterations on coarser grids end, which give the start. They also end at `COARSE_REDUCTION`
         times their first residual, and after `patience` iterations.
     patience
-        Iterations without a halving of the residual after which Polonsky & Keer's scheme goes on from there, and the
-        solution's note says so. On rough contacts that converge there were up to 12.
+        Iterations without a halving of the residual after which Polonsky & Keer's scheme goes on, as the solution's
+        note says. On rough contacts that converge there were up to 12.
     """
 
     coarse_tolerance: float = 1e-3

@@ -6,10 +6,10 @@ traction q on the first body, with the slip ``s = s0 + D q`` of the first agains
     ``F(q) = q - Proj(q - rho s) = 0``
 
 with the projection onto the friction set ``|q| <= mu p``, with a given resultant if there is one. Here s0 is the free
-slip, that without traction, D the elastic slip by a unit of it, and rho the inverse of the slip of a cell under a
-traction on it alone; ``q - rho s`` is called the trial traction. The derivative of F is ``1 - P (1 - rho D)`` with that
-of the projection, P: ``rho D`` in cells that stick. Its equations are solved by GMRES. Where no fraction of a Newton
-step reduces F, extragradient iterations, of two projections each, are taken before the next one.
+slip, that without traction, D the elastic slip by a unit of traction, and rho the inverse of the slip of a cell under a
+unit on it alone. The trial traction is ``q - rho s``. The derivative of F is ``1 - P (1 - rho D)`` with that of the
+projection, P: ``rho D`` in cells that stick. Its equations are solved by GMRES. Where no fraction of a Newton step
+reduces F, extragradient iterations, of two projections each, are taken before the next one.
 
 Arrays (2, cells) are of the cells in contact alone, with the components along x and y; fields (component, x, y) are of
 all cells.
@@ -35,8 +35,8 @@ from contactstudy.problem.problem import Problem
 from contactstudy.solvers.solution import Solution, Status, TangentialTraction
 from contactstudy.solvers.solve import SolveOptions, solve_contact, solve_with_mixing
 
-# Outer iterations between pressure and tangential traction in full sliding: without mixing, errors fall by a factor of
-# at least 1.7 from one to the next where both bodies are elastic and friction is below 1.
+# Most outer iterations between pressure and tangential traction in full sliding. Even without mixing, each divides the
+# error by at least 1.7 where both bodies are elastic and friction is below 1.
 MAX_SLIDING_ITERATIONS = 200
 
 
@@ -213,8 +213,8 @@ class ElasticSlip:
 
     With A, the displacement under traction, it is A itself for a contact at rest that begins without traction, and in
     steady rolling the slip per distance rolled, ``(D q)(x) = [(A q)(x) - (A q)(x + step)] / |step|``. `self_compliance`
-    is the slip of a cell under a unit traction along x on it alone; at rest, less the mean slip of all cells, which
-    depends on the datum of the displacement.
+    is the slip of a cell under a unit traction along x on it alone. At rest it is less the mean slip of all cells,
+    which depends on the datum of the displacement.
 
     Parameters
     ----------
@@ -280,7 +280,7 @@ MAX_HALVINGS = 10
 # Fraction of the largest traction at the start below which it is not resolved in proportion: where a force returns to
 # zero, what is left may be rounding. A tenth and ten times it make no difference elsewhere.
 LEAST_SHEAR = 1e-4
-# Fraction of the largest limit by which the trial traction of a cell that sticks is below its own limit: above the
+# A cell sticks if its trial traction is below its own limit by this fraction of the largest limit. That is above the
 # rounding of a traction, and the error that a tolerance of 1e-8 leaves.
 STICKING = 1e-6
 # Extragradient iterations after a step that failed, before the next Newton step; doubled each time. Newton steps fail
@@ -329,8 +329,8 @@ class SlipStep:
     stick
         Cells (x, y) in contact that stick.
     residual
-        Root mean square of the change by one projection onto Coulomb's disks, over the largest traction, or over 1e-4 of
-        that before the step where that is larger.
+        Root mean square of the change by one projection onto Coulomb's disks, over the largest traction, at the least
+        `LEAST_SHEAR` times that before the step.
     applications
         Number of applications of the response to traction.
     """
@@ -366,10 +366,10 @@ class CoulombNewton:
     def solve(self, free_slip: Array, shear: Array, tolerance: float, max_applications: int) -> SlipStep:
         """Return the traction, and the slip less the rigid displacement or creepage that a given sum asks for.
 
-        The iteration begins with a first `shear` (component, x, y) [Pa], and ends at a residual of `tolerance`, or after
-        `max_applications` of the slip operator. `free_slip` (component, x, y) is the slip without traction. The residual
-        is the root mean square of F over the largest traction, or over a ten-thousandth of that at the start (of the
-        largest limit where there is none) if that is more.
+        The iteration begins with a first `shear` (component, x, y) [Pa], and ends at a residual of `tolerance`, or
+        after `max_applications` of the slip operator. `free_slip` (component, x, y) is the slip without traction. The
+        residual is the root mean square of F over the largest traction, at the least `LEAST_SHEAR` times that at the
+        start, or times the largest limit where there is none.
         """
         free, shear = self._gathered(free_slip), self._gathered(shear)
         projected = self._project(shear)

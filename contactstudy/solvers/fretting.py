@@ -1,10 +1,10 @@
 """Fretting and partial slip: tangential traction under one or more tangential forces, each step from the one before.
 
-A step from the traction r to q on the first body slips by ``s = A (q - r) - d``, the slip of the first against the
-second body, with the displacement ``A q`` under traction and the rigid one d of the second against the first body.
-Coulomb's law, ``|q| <= mu p`` with s opposed to q where they are equal and ``s = 0`` elsewhere, makes q the traction of
-least complementary energy among those with the resultant that is asked for: ``1/2 (q - r) A (q - r)``, minus ``d
-sum(q)`` where d is given. Source: Kalker (1990), ch. 4.
+In a step from the traction r to q on the first body, that body slips against the second by ``s = A (q - r) - d``. Here
+``A q`` is the displacement under traction, and d the rigid one of the second against the first body. Coulomb's law is
+``|q| <= mu p``, with s opposed to q where both sides are equal and ``s = 0`` elsewhere. It makes q, among tractions
+with the given resultant, that of least complementary energy ``1/2 (q - r) A (q - r)``, minus ``d sum(q)`` where d is
+given. Source: Kalker (1990), ch. 4.
 
 Under a constant pressure a step from one reversal of the force to the next is exact in plane strain, as slip does not
 reverse within it. Source: Mindlin & Deresiewicz (1953), J. Appl. Mech. 20, 327.
@@ -110,11 +110,11 @@ def locked_shear(shear: Array, before: Array, after: Array, slope: float) -> Arr
 
 # Difference of two forces, or bulk stresses, over the largest one within which they count as the same: above rounding.
 SAME_FORCE = 1e-9
-# Parts into which a loop that is drawn is divided between two forces, and the tolerance and the most applications of the
-# response at their ends, finer than a line is drawn.
+# Parts into which a drawn loop is divided between two forces. Tolerance and most applications of the response at their
+# ends, finer than a line is drawn.
 LOOP_PARTS, LOOP_TOLERANCE, LOOP_APPLICATIONS = 8, 1e-6, 1000
-# Factor on friction with which a contact sticks all over: the traction at an edge that sticks grows over ``mu p`` like
-# half the cells in contact along x, of which there may be 2000.
+# Factor on friction with which a contact of up to 2000 cells along x sticks all over: the traction at an edge that
+# sticks, over ``mu p``, grows like half that number.
 STICKING = 1e3
 
 

@@ -1,11 +1,11 @@
 """Pressure and plastic strain at the end of a load step, together: a semismooth Newton method.
 
-S maps pressure to deviatoric stress, B plastic strain to minus its residual stress, and S^T, the transpose of S under
-sums over volumes and cell areas, plastic strain to the displacement of the surface. Deviators have C components in an
-orthonormal basis, 3 in plane strain and 5 otherwise: plain sums of their squares are norms. A subscript n means the
+S maps pressure to deviatoric stress, and B plastic strain to minus its residual stress. S^T, the transpose of S under
+sums over volumes and cell areas, maps plastic strain to the displacement of the surface. Deviators have C components in
+an orthonormal basis, 3 in plane strain and 5 otherwise: plain sums of their squares are norms. A subscript n means the
 start of a step. The bodies yield by von Mises' criterion, with linear hardening; their volumes that may yield are one
-list of cells. The contact acts by its tangent operator Pi, minus the derivative of the pressure with respect to the gap.
-Adhesion and friction, which make further stress, are left to the caller.
+list of cells. The contact acts by its tangent operator Pi, minus the derivative of the pressure with respect to the
+gap. Adhesion and friction, which make further stress, are left to the caller.
 """
 
 from collections.abc import Callable, Sequence
@@ -75,9 +75,9 @@ class VonMisesPlasticity:
 class ReturnMapping:
     """Return mapping of a trial stress to the yield surface.
 
-    It has the plastic `strain` (C, cells) on the yield surface, the unit `direction` of flow (C, cells), the `norm` of
-    the trial stress (cells,) [Pa], the increment of the plastic `multiplier` in the step (cells,), and whether a cell
-    `flows` (cells,).
+    It has the plastic `strain` (C, cells) on the yield surface, the unit `direction` of flow (C, cells), and of shape
+    (cells,) the `norm` of the trial stress [Pa], the increment of the plastic `multiplier` in the step, and whether a
+    cell `flows`.
     """
 
     law: VonMisesPlasticity
@@ -207,7 +207,7 @@ class YieldingBodies:
 Tangent = Callable[[Array], Array]
 
 
-# The numbers seen are those of 48 contacts, smooth and wavy along, of no to 10 % hardening, which reach two to eight
+# The numbers seen are those of 48 contacts, smooth and wavy along, of no to 10 % hardening. They reach two to eight
 # times the load of first yield in one step or three, with tolerances of 1e-5 and 1e-8.
 # Largest number of Newton iterations of a step; up to 14 were seen.
 MAX_ITERATIONS = 40
@@ -216,9 +216,9 @@ STALL_ITERATIONS = 12
 # Smallest fraction of a Newton step that is tried before a step of plain return mapping is taken; the smallest seen was
 # a half.
 MIN_FRACTION = 1e-3
-# Range of the relative residual of a linear system; in between it is the square root of the residual of the plastic
-# strain (Eisenstat & Walker 1996), so that the convergence stays superlinear. Half or twice of the larger changes the
-# convolutions of three contacts by less than a tenth; a hundredth or a hundred times the smaller changed none.
+# Range of the relative residual of a linear system. In between, the square root of the residual of the plastic strain
+# keeps the convergence superlinear (Eisenstat & Walker 1996). Half or twice of the larger changes the convolutions of
+# three contacts by less than a tenth; a hundredth or a hundred times the smaller changed none.
 MAX_FORCING, MIN_FORCING = 0.1, 1e-6
 # Largest number of operator applications in the solution of a linear system; up to 35 were seen.
 MAX_APPLICATIONS = 400
@@ -267,11 +267,11 @@ def solve_elastoplastic_step(
 ) -> ElastoplasticStep:
     """Return pressure and plastic strain at the end of a load step.
 
-    Backward Euler in load. The plastic strain e is that of the return mapping of its own trial stress: with the pressure
-    p over the surface lowered by the residual displacement ``S^T e``, the stress ``S p - B e`` is mapped back to the
-    yield surface. These equations are those of the minimum of a convex energy. Source: Simo & Hughes (1998), box 3.1
-    (return mapping); semismooth Newton with conjugate gradients and a line search on the forward-backward envelope of
-    Stella, Themelis & Patrinos (2017).
+    Backward Euler in load. The plastic strain e is that of the return mapping of its own trial stress, by the stress
+    ``S p - B e``. The pressure p is that over the surface lowered by the residual displacement ``S^T e``. These
+    equations are those of the minimum of a convex energy. Source: Simo & Hughes (1998), box 3.1 (return mapping);
+    semismooth Newton with conjugate gradients and a line search on the forward-backward envelope of Stella, Themelis &
+    Patrinos (2017).
 
     Parameters
     ----------
@@ -337,10 +337,10 @@ class _State:
     """Plastic strain (C, cells), the contact under it, and the return mapping of its trial stress.
 
     The `residual` r (C, cells) is the strain less the mapped one, `residual_norm` the largest of it in units of yield
-    stress over Young's modulus. The `energy` [J] is the forward-backward envelope ``f(strain) + g(mapped) - <grad f, r>
-    + G |r|^2``, with the potential g of the step and ``grad f = -stress``: f is the energy of the residual stress less
-    the work of the outer stress and the complementary energy of the contact. `incremental_energy` [J] is the first part
-    of f, with g.
+    stress over Young's modulus. The `energy` [J] is the forward-backward envelope
+    ``f(strain) + g(mapped) - <grad f, r> + G |r|^2``, with the potential g of the step and ``grad f = -stress``. Here f
+    is the energy of the residual stress, less the work of the outer stress and the complementary energy of the contact.
+    `incremental_energy` [J] is the first part of f, with g.
     """
 
     strain: Array

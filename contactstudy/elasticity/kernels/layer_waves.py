@@ -448,7 +448,8 @@ def _summed(
     those at the first `rows` of centres, None for all.
     """
     last = ROUNDING_EXPONENT / waves.decay_rate
-    q, weights = [], []  # waves per cell, of both axes at least 0: fields have a parity
+    # waves per cell, at least 0 along both axes: the others are added by parity, so that 0, its own mirror, is halved
+    q, weights = [], []
     for step, count, window, chosen in zip(cell, cells, windows, (slice(None), band), strict=True):
         shortest = min(last * step / (2 * np.pi), window[-1][0] + WINDOW_END * window[-1][1])
         q.append(np.arange(int(shortest * count) + 1)[chosen] / count)
@@ -458,6 +459,7 @@ def _summed(
     kx, ky = (2 * np.pi * waves_of / step for waves_of, step in zip(q, cell, strict=True))
     first, points = band.start or 0, min(cells[1], 2 * (band.stop or cells[1]))
     summed: dict[str, Array] = {}
+    # at most `cells` across, so that no two waves at once go to the same row of `total`
     at_once = min(cells[0], max(1, VALUES_AT_ONCE // max(ky.size, 1)))
     for start in range(0, kx.size, at_once):
         chosen = slice(start, start + at_once)

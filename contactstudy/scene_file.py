@@ -189,6 +189,7 @@ def write_scene(described: Scene | SceneFile, path: str | PathLike[str]) -> None
 
 def scene_file_from(document: SceneDocument, folder: Path = Path()) -> SceneFile:
     """Return the scene of `document`; files of surfaces start at `folder`."""
+    # what a profile for a load follows from; surfaces of a scene without curvature repeat across too
     context = sum(map(curvature_of, document.shapes)), document.solids
     shapes = tuple(shape_of(shape, folder, context) for shape in document.shapes)
     is_flat = isinstance(document.load, MeanPressure)

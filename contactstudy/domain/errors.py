@@ -17,8 +17,8 @@ import numpy as np
 
 from contactstudy.domain.validation import is_default
 
-# Letters of a value in a row of a notebook, which with its name then fits into a line of 120.
-WIDTH = 90
+# Most letters of a value in a row of a notebook: with the name before them they fit into a line of 120.
+VALUE_LETTERS = 90
 
 
 class InNotebook:
@@ -28,7 +28,9 @@ class InNotebook:
         """Return the name of the class, and below it a line for each row."""
         entries = list(_entries(self))
         width = max((len(name) for name, _ in entries), default=0)
-        rows = (f"  {name:<{width}}  {shorten(_text(entry), WIDTH, placeholder=' ...')}" for name, entry in entries)
+        rows = (
+            f"  {name:<{width}}  {shorten(_text(entry), VALUE_LETTERS, placeholder=' ...')}" for name, entry in entries
+        )
         return "\n".join((type(self).__name__, *rows))
 
     def _repr_html_(self) -> str:
@@ -91,27 +93,26 @@ MARGIN = 1.5
 # Power of the cell size with which errors of a static contact fall, where no body ends nor attracts another: that of a
 # pressure that falls to zero at its edge like the square root of the distance.
 STATIC_ORDER = 1.5
-# Power of the cell size with which the error of a number at such an edge falls: halved cells left 0.65 to 0.75 of the
-# error of the highest residual stress, of which `MARGIN` covers the part below this order.
+# Largest power for a number that is read at an edge, as the highest residual stress: halved cells left 0.65 to 0.75 of
+# its error, an order of 0.4 to 0.6; `MARGIN` covers what falls more slowly than the order here.
 EDGE_ORDER = 0.7
 # Least relative change of a largest stress, and of the depth at which it lies, that a bound counts: both lie between the
-# depths that the program has chosen. Of 588 largest stresses of 294 cylinders in plane strain on 20 to 138 cells,
-# against their closed forms, 3 were beyond their bounds, by up to 1.1 times, and of as many depths none; with half of
-# both 34, by up to 2.0 times, and no depth; with neither 36 and 129, by up to 3.0 and 6.4 times. At given depths, where
-# the first is left out, 120 largest stresses of 40 cylinders had errors of up to half of their bounds.
+# depths that the program has chosen. They are about the least that suffice. Of 588 largest stresses of cylinders in
+# plane strain on 20 to 138 cells, 3 were beyond their bounds, by up to 1.1 times, and of their depths none. With half of
+# both there were 34, by up to 2.0 times, and no depth; with neither 36, by up to 3.0 times, and 129 depths. Where depths
+# are given, the first is left out: of 120 largest stresses none had an error above half of its bound.
 STRESS_FLOOR, DEPTH_FLOOR = 5e-4, 6e-3
 # Least change of a number that a bound counts, over the L1 error of the pressure, since all changes may be small by
-# chance. Of 9260 numbers of 1340 smooth and wavy cylinders on 32 to 78 by 16 to 38 cells, against four times the cells
-# along each axis, 27 were beyond their bounds, by up to 2.7 times. Without a least change there were 33, by up to 4.8
-# times; with twice this one 24, by up to 2.1 times, and the median bound was 1.3 times as wide.
+# chance. It limits the worst misses. Of 9260 numbers of smooth and wavy cylinders on 32 to 78 by 16 to 38 cells 27 were
+# beyond their bounds, by up to 2.7 times; without a least change 33, by up to 4.8 times. With twice this one there were
+# 24, by up to 2.1 times, and the median bound was 1.3 times as wide.
 FLOOR = 0.1
 # Least change of an area, of a rolling resistance or of a number left by a plastic zone, over the fraction of its cells
 # that lie at its edge: the edge passes anywhere through such a cell, so that half of the cell is wrong in the mean.
 AREA_FLOOR = 0.5
-# Bound of the error by the inlet of a film over the change of a number from twice the width. That error falls with its
-# length^-2 in a film thickness, which leaves 4/3 of the change, and with length^-1 in a rolling resistance, which leaves
-# 2 of it. On 750 random films, plain, wavy, rough, crowned, starved, soft, heated and on a boundary film, 97 in 100 left
-# up to 1.4 and 1.7.
+# Bound of the error by the inlet of a film, over the change of a number on a grid of twice the width. The error of a
+# film thickness falls with the inlet's length^-2, and is 4/3 of that change; the error of a rolling resistance falls
+# with length^-1, and is twice the change. On 97 in 100 of 750 random films of all kinds they were up to 1.4 and 1.7.
 INLET = 1.75
 
 
@@ -187,7 +188,7 @@ class ErrorEstimate(InNotebook):
     peak_pressure, contact_area, mean_gap, approach
         Errors of the numbers of a contact; None where the answer does not have the number.
     by_grids
-        Names of the errors above to which changes of their numbers between grids are still added.
+        Names of the errors above that are only a part of a bound, which adds the changes of the number between grids.
     stress
         Part of the error of largest stresses that changes between grids do not show; None where no stress is computed.
     central_film, minimum_film, friction_coefficient

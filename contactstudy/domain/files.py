@@ -29,7 +29,8 @@ import numpy as np
 from contactstudy.domain.validation import InvalidInput
 
 # What was met in digests: under the id of a dataclass the object, so that no other one gets its id, and its digest;
-# under the name of a class the class, and under "def " and the name of a function the function, each with "".
+# under the name of a class the class, and under "def " and the name of a function the function, each with "". From
+# these a caller learns which modules a value depends on.
 Memo = dict[int | str, tuple[object, str]]
 # Types whose repr is their whole state.
 PLAIN = (str, int, float, complex, bytes)
@@ -181,8 +182,8 @@ OPEN_FLAGS = sum(getattr(os, name, 0) for name in ("O_BINARY", "O_CLOEXEC", "O_N
 # the byte that is locked on Windows: far beyond the content, which stays readable
 LOCKED_BYTE = 2**30
 POLL_SECONDS = 0.1  # seconds between two tries of a lock on Windows, little beside the writing that it waits for
-MAGIC = b"\ncontactstudy "  # at the end of a file with a checksum, before the digits of a digest of its content
-DIGEST = 32  # number of these digits
+MAGIC = b"\ncontactstudy "  # at the end of a file with a checksum, before the digits of the checksum of its content
+CHECKSUM_DIGITS = 32  # number of these digits
 CHUNK = 2**20  # bytes read at a time, so that a large file does not fill the memory
 
 
@@ -239,21 +240,21 @@ def remove_partial_files(folder: Path) -> None:
 def append_checksum(path: Path) -> None:
     """Append a checksum of its content to the file at ``path``; readers of netCDF ignore it."""
     with path.open("r+b") as file:
-        digest = _digest(file, path.stat().st_size)
+        checksum = _checksum(file, path.stat().st_size)
         file.seek(0, os.SEEK_END)
-        file.write(MAGIC + digest)
+        file.write(MAGIC + checksum)
 
 
 def is_damaged(path: Path) -> bool:
     """Return whether the content of a file differs from its checksum; False for a file without one."""
-    size = path.stat().st_size - len(MAGIC) - DIGEST
+    size = path.stat().st_size - len(MAGIC) - CHECKSUM_DIGITS
     if size < 0:
         return False
     with path.open("rb") as file:
         file.seek(size)
-        magic, digest = file.read(len(MAGIC)), file.read()
+        magic, checksum = file.read(len(MAGIC)), file.read()
         file.seek(0)
-        return magic == MAGIC and digest != _digest(file, size)
+        return magic == MAGIC and checksum != _checksum(file, size)
 
 
 def write_with_checksum(path: Path, content: bytes) -> None:
@@ -269,17 +270,17 @@ def read_verified(path: Path) -> bytes | None:
     Raises OSError without a file.
     """
     raw = path.read_bytes()
-    content, magic = raw[: -len(MAGIC) - DIGEST], raw[-len(MAGIC) - DIGEST : -DIGEST]
+    content, magic = raw[: -len(MAGIC) - CHECKSUM_DIGITS], raw[-len(MAGIC) - CHECKSUM_DIGITS : -CHECKSUM_DIGITS]
     return content if magic == MAGIC and not is_damaged(path) else None
 
 
-def _digest(file: BinaryIO, size: int) -> bytes:
-    """Return the digest of the next ``size`` bytes of a file."""
-    digest = hashlib.blake2b(digest_size=DIGEST // 2)
+def _checksum(file: BinaryIO, size: int) -> bytes:
+    """Return the checksum of the next ``size`` bytes of a file, in hexadecimal digits."""
+    checksum = hashlib.blake2b(digest_size=CHECKSUM_DIGITS // 2)
     while size and (part := file.read(min(size, CHUNK))):
-        digest.update(part)
+        checksum.update(part)
         size -= len(part)
-    return digest.hexdigest().encode()
+    return checksum.hexdigest().encode()
 
 
 def set_aside(path: Path) -> Path:
@@ -291,11 +292,11 @@ def set_aside(path: Path) -> Path:
 
 def is_alive(process: int) -> bool:
     """Return whether another process with the id ``process`` is running."""
-    import psutil  # needed only where such a file is found
+    import psutil  # needed only where an unfinished file or a lock is found
 
     try:
         return bool(psutil.pid_exists(process)) and process != os.getpid()
-    except OverflowError:
+    except OverflowError:  # larger than the system's ids
         return False
 
 

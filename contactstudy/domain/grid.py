@@ -317,7 +317,8 @@ class Padding(Protocol):
     def window(self) -> range | None:
         """Periods whose pressure acts on a point, relative to its own (0); None for all of them.
 
-        The image in period m is at the offset ``d + m L``, with d >= 0 the offset in period 0.
+        The image in period m is at the offset ``d + m L``. L is the length of the axis; d, the offset in period 0, is
+        from 0 to L where the axis wraps.
         """
 
     def reach(self, period: float) -> float:

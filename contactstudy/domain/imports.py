@@ -101,7 +101,7 @@ def missing_package(use: str, missing: ModuleNotFoundError) -> ModuleNotFoundErr
 def names_on_first_use(package: str, file: str) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
     """Return ``__getattr__``, ``__dir__`` and ``__all__`` of a `package` whose names are imported on first use.
 
-    The names are those that the stub of its `file` imports.
+    The names are those that the stub beside its `file` imports; a module of the package itself may be one of them.
     """
     stub = ast.parse(Path(file).with_suffix(".pyi").read_text(encoding="utf-8"))
     places: dict[str, tuple[str, str]] = {}

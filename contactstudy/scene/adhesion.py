@@ -36,9 +36,10 @@ class Adhesion:
         Kendall & Roberts 1971) as far as the grid resolves it, with six cells in the cohesive zone, the shortest one of
         bodies that creep. The pull-off load of a cylinder is then within 0.3 % of that limit on fine grids.
     law
-        ``"exponential"``, or ``"dugdale"`` for a constant attraction that falls linearly to zero around the range,
-        between 0.9 and 1.1 times it on 30 or more cells in the cohesive zone. The work is the same where the fall is
-        wider on fewer cells, in inverse proportion, since a sharper one traps the contact between cells.
+        ``"exponential"``, ``work / range exp(-gap / range)``, or ``"dugdale"`` for a constant attraction that falls
+        linearly to zero around the range. It falls between 0.9 and 1.1 times the range on 30 or more cells in the
+        cohesive zone. On fewer cells the fall is wider, in inverse proportion, with the same work, since a sharper one
+        traps the contact between cells.
     branch
         ``"from afar"`` for bodies that approach, the least adhesive state; ``"from full contact"`` for bodies that
         leave full contact, the most adhesive one. A load history continues from each state to the next.
@@ -73,7 +74,7 @@ class Adhesion:
         """Return a load [N/m] for the scales of an adhesive contact at zero load; 0 if flat.
 
         It is twice the unit ``(pi E* w^2 R)^(1/3)`` of the line contact of Johnson, Kendall & Roberts, w the work. It
-        is near the 2.52 units, ``32^(2/3) / 4``, that make the same width without adhesion.
+        is near the 2.52 units, ``32^(2/3) / 4``, that make a contact without adhesion as wide.
         """
         if scene.radius is None:
             return 0.0

@@ -269,9 +269,9 @@ class Fretting:
     displacements
         Rigid displacements along x [m] of the second against the first body in place of the forces, with `times` and
         under a constant load: a positive one makes a positive tangential traction on the first body. Above a limit the
-        contact slides fully (gross slip, ``stick_fraction`` 0). They are relative to the datum, a point at the distance
-        of twice the equivalent radius (without a curved shape the width of the grid), or with images along both axes to
-        the mean.
+        contact slides fully (gross slip, ``stick_fraction`` 0). Displacements are relative to the datum, a point at the
+        distance of twice the equivalent radius (without a curved shape the width of the grid). With images along both
+        axes they are relative to the mean.
     period
         Duration of one cycle [s], with `times`. A force step that takes n half periods stands for n half cycles: slip
         and wear of one are counted n times (cycle jump). None counts each force once.
@@ -619,7 +619,7 @@ class TractiveRolling:
         )
 
     def _refuse_endless(self, rollers: Sequence[Any]) -> None:
-        """Raise InvalidInput for spin without `rollers` that end or are crowned, or where their drops [m] are 0."""
+        """Raise InvalidInput for spin without `rollers`: shapes that end or crown one, or on a grid their drops [m]."""
         if self.spin and not any(map(np.any, rollers)):
             raise InvalidInput(
                 f"TractiveRolling.spin is {self.spin!r} in a contact without end, where its slip grows along the length "

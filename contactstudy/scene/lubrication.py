@@ -342,7 +342,7 @@ class Lubricant:
 
     @property
     def law(self) -> ViscosityLaw:
-        """The law of viscosity, that of Roelands with the exponent that follows from alpha where none is given."""
+        """The law of viscosity; without an exponent Roelands' law has that of alpha, and is Barus' for an alpha of 0."""
         law = self.viscosity_law
         if not isinstance(law, Roelands) or law.exponent is not None:
             return law

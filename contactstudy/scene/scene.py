@@ -196,7 +196,7 @@ class Scene(InNotebook):
 
     @property
     def ellipse(self) -> HertzEllipse | None:
-        """Smooth point contact of the scene, in which a coated body has its modulus at that width; None of lines."""
+        """Smooth point contact, where a coated body has its modulus at the semi-axis across; None of a line contact."""
         if not self.is_point_contact:
             return None
         total, (across, along) = self.load.total, self.curvatures  # type: ignore[union-attr]

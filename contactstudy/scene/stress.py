@@ -239,7 +239,7 @@ class SubsurfaceStressOperator:
     def searched_depths(self, width: float) -> list[float]:
         """Return the depths [m] from the surface to below a contact of this `width` [m] at which a search begins."""
         cell = min(self.grid.cell_size)
-        kinks = self.profile.points[0] if self.profile else ()
+        kinks = self.profile.points[0] if self.profile else ()  # the first of these depths is 0
         deepest = max(width, 2 * cell, min(max(kinks, default=0.0), DEEPEST * width))
         count = 2 + int(np.ceil(np.log(2 * deepest / cell) / np.log(COARSE_STEP)))
         return [0.0, *np.geomspace(cell / 2, deepest, count).tolist(), *self.medium.interface_depths, *kinks[1:]]
@@ -305,10 +305,10 @@ class SubsurfaceStressOperator:
 def surface_beyond(
     output: SubsurfaceStress, solids: tuple[Body, ...], grid: Grid, paddings: Paddings, stress: Array
 ) -> Iterator[tuple[Grid, Array]]:
-    """Yield grids 3, 9 ... times as wide as `grid`, of as many cells, with the stress (component, x, y) at the surface.
+    """Yield, without end, grids 3, 9 ... times as wide as `grid`, with the stress (component, x, y) at the surface.
 
-    The tractions are those of the `stress` (component, x, y) at the surface on `grid`, as means over larger cells. An
-    axis whose images count, or of one cell, stays as it is; there are no grids where both do.
+    The grids have as many cells. The tractions are those of the `stress` (component, x, y) at the surface on `grid`, as
+    means over larger cells. An axis with images, or of one cell, stays as it is; nothing is yielded where both do.
     """
     widens = [is_free(padding) and count > 1 for padding, count in zip(paddings, grid.cells, strict=True)]
     # pressure -zz on the surface of this body, and the tractions -xz across and -yz along on it

@@ -150,17 +150,18 @@ def add_entering(
 ) -> None:  # fmt: skip
     """Add to an active set the cells that enter it after a step, and for each row write their number.
 
-    A cell at a limit enters whose gap after the step has the sign that should not be there. `active_gap` gets its gap.
-    The step subtracts `step_length` times `extended` from the gap everywhere.
+    A cell without pressure enters if its gap after the step is negative, a cell at the upper limit if it is positive.
+    `active_gap` gets the gap before the step. The step subtracts from the gap of all cells `step_length` times
+    `extended`, the gap of the set continued to other cells.
     """
     for i in range(pressure.shape[0]):
         count = 0
         for j in range(pressure.shape[1]):
             loaded, expected = pressure[i, j], height[i, j] - step_length * extended[i, j]
-            leaves = ((loaded == 0) & (expected < 0)) | ((loaded >= limit) & (expected > 0))
-            count += 1 if leaves else 0
-            active[i, j] = 1.0 if leaves else active[i, j]
-            active_gap[i, j] = height[i, j] if leaves else active_gap[i, j]
+            enters = ((loaded == 0) & (expected < 0)) | ((loaded >= limit) & (expected > 0))
+            count += 1 if enters else 0
+            active[i, j] = 1.0 if enters else active[i, j]
+            active_gap[i, j] = height[i, j] if enters else active_gap[i, j]
         results[i, 0] = count
 
 
@@ -331,8 +332,8 @@ def block_means_transposed(
 ) -> None:
     """Add to the pressure of each cell in the active set a quarter of that of its block, the transposed mean, in place.
 
-    The pressure becomes zero outside the set. `block_active` are the means of `active` over the blocks; `blocks` is the
-    pressure times them, as :class:`SpectralExtension` returns it, by which it is divided here.
+    The pressure becomes zero outside the set. `block_active` are the means of `active` over the blocks. `blocks` is the
+    pressure of the blocks times `block_active`, by which it is divided here.
     """
     columns = blocks.shape[1]
     line = np.empty(2 * columns, dtype=pressure.dtype)

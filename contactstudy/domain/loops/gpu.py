@@ -59,17 +59,18 @@ def _kernel(name: str, real: str, preconditioner: str) -> Any:
 
 @cache
 def _module(real: str, preconditioner: str) -> Any:
-    """Return the compiled kernels for fields of these C types, see :func:`described`; CuPy keeps them on disk."""
+    """Return the compiled kernels for fields of these C types, see :func:`types_and_cells`; CuPy keeps them on disk."""
     options = f"-DREAL={real}", f"-DPRE={preconditioner}", "-std=c++17"
     source = SOURCE.read_text(encoding="utf-8")
     return import_module("cupy").RawModule(code=source, options=options, enable_cooperative_groups=True)
 
 
-def described(arguments: tuple[Any, ...]) -> tuple[str, str, int, int]:
-    """Return what a launch with these `arguments` of a kernel needs: two characters of types, and two numbers of cells.
+def types_and_cells(arguments: tuple[Any, ...]) -> tuple[str, str, int, int]:
+    """Return two types and two numbers of cells, of the `arguments` of a kernel, for its launch.
 
-    The types are that of the first field, and that of a field of the preconditioner, which may have less precision. The
-    numbers are those of the cells in the first field and in one row of it. A complex number counts as two cells.
+    The types, as keys of `_TYPES`, are that of the first field, and that of a field of the preconditioner, which may
+    have less precision. The numbers are those of all cells of the first field, and of the cells in one row of it. A
+    complex number counts as two cells.
     """
     first = arguments[0]
     real, columns, cells = first.dtype.char, first.shape[-1], first.size
@@ -85,7 +86,7 @@ def launch(name: str, *arguments: Any, results: int = 0) -> Array:
     `results` is the number of sums. Their array is memory that the next launch of this thread overwrites.
     """
     memory = _memory()
-    real, preconditioner, cells, columns = described(arguments)
+    real, preconditioner, cells, columns = types_and_cells(arguments)
     blocks = min(memory.blocks, -(-cells // (THREADS * CELLS)))
     numbers = (float(a) if isinstance(a, int | float) else a for a in arguments)
     kernel = _kernel(name, real, preconditioner)

@@ -327,7 +327,7 @@ class Roughness:
             return self.rms.rms
         if not isinstance(self.rms, RmsSlope):
             return self.rms
-        # the integral of k^3 C over C, the density below the roll-off, for the slope as _height_moment for the height
+        # the integral of k^3 C over C(0), for the slope what _height_moment is for the height
         low, span, hurst = 2 * np.pi / self.roll_off, self.roll_off / self.cut_off, self.hurst
         slope_moment = low**2 * (1 / 4 + (span ** (2 - 2 * hurst) - 1) / (2 - 2 * hurst))
         # along the lay waves are longer, and slopes less
@@ -337,7 +337,7 @@ class Roughness:
 
     @property
     def _height_moment(self) -> float:
-        """Integral of ``k C`` over wave numbers k times `roll_off`, over C, the density below the roll-off."""
+        """Integral of ``k C(k) / C(0)`` over wave numbers k in units of 1 / `roll_off`, C the spectral density."""
         return float(1 / 2 + (1 - (self.roll_off / self.cut_off) ** (-2 * self.hurst)) / (2 * self.hurst))
 
     def with_extent_of(self, grid: Grid) -> Self:
@@ -389,7 +389,7 @@ class Roughness:
         upper = columns > ny // 2
         rows[:, upper] = rows[:, upper].conj()
         half = _folded(rows.T, np.where(upper, ny - columns, columns), ny // 2 + 1)
-        half[1 : (ny + 1) // 2] /= 2
+        half[1 : (ny + 1) // 2] /= 2  # to these irfft adds their conjugates
         return np.asarray(fft.irfft(half.T, ny, axis=1, norm="forward"))
 
     def _wave_numbers(self, extent: tuple[float, float]) -> tuple[Array, Array]:
@@ -446,7 +446,7 @@ class Roughness:
         first = -(fractions.shape[0] // 2)
         waves = np.empty(fractions.shape, complex)
         for number, row in enumerate(waves, first):
-            # a stream of its own for each wave number across, whose place is the one along
+            # a stream of its own for each wave number across, in the order of the wave numbers along
             stream = np.random.Philox(key=key, counter=[0, abs(number), number < 0, 0])
             row[:] = np.exp((2j * np.pi / 2**64) * stream.random_raw(row.size))
         waves *= np.sqrt(2 * fractions) * self.rms_height

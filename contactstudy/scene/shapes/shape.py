@@ -260,7 +260,7 @@ class ShapesSource:
 
     @property
     def shortest_wavelengths(self) -> tuple[float, float]:
-        """Shortest wavelengths (across, along) and rollers [m] of all shapes that name theirs; infinite if none does."""
+        """Shortest lengths (across, along) [m] of all shapes, by :func:`shortest_wavelengths`."""
         return shortest_wavelengths(self.shapes)
 
     @property
@@ -314,7 +314,7 @@ def standing_heights(shapes: Iterable[Shape]) -> str:
 
 
 def shortest_wavelengths(shapes: Iterable[Shape]) -> tuple[float, float]:
-    """Return the shortest wavelengths (across, along) and rollers [m] of `shapes`; infinite where none names one."""
+    """Return the shortest wavelengths (across, along) [m] of `shapes`, along also rollers; infinite if none is named."""
     length_scales = length_scales_of(shapes)
     across, along = zip((inf, inf), *(scales.shortest_wavelengths for scales in length_scales), strict=True)
     return min(across), min(*along, *(scales.roller or inf for scales in length_scales), inf)

@@ -165,7 +165,7 @@ class CoatedHalfSpace:
 
     @property
     def parts(self) -> dict[str, tuple[str, HalfSpace, float, float]]:
-        """Words, material, depths from and to [m] of each layer and the substrate, by the prefix of numbers in it."""
+        """Words, material, depths from and to [m] of layers and substrate, by the prefix of names of numbers in each."""
         names = {"coating": "the coating"}
         names |= {f"interlayer_{number}": f"interlayers[{number}]" for number in range(len(self.interlayers))}
         parts: dict[str, tuple[str, HalfSpace, float, float]] = {}
@@ -234,7 +234,7 @@ class CoatedHalfSpace:
 
     @cached_property
     def interfaces(self) -> tuple[tuple[LayerResponse, float], ...]:
-        """The materials above and just below each interface, as ratios to the coating's, and its depth [m]."""
+        """The materials above and below each interface, by the coating's shear modulus over theirs, and its depth."""
         materials, depths = [replace(self.coating, thickness=math.inf)], []
         for _, part, top, _ in self.parts.values():
             if (material := replace(part, thickness=math.inf)) != materials[-1]:

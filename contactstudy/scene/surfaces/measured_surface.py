@@ -235,7 +235,8 @@ class MeasuredSurface:
     def _periodic(self, heights: Array, axis: int, seam: preparation.PeriodicExtension, grid: Grid) -> Array:
         """Return heights (x, y) as means over the cells of a grid along an `axis`, along which the `seam` repeats them.
 
-        If one period of the surface does not fit into the grid, its middle part is repeated.
+        A period holds ``seam.lengths`` lengths of the surface, two where it is mirrored. If it does not fit into the
+        grid, the middle part of the surface is repeated.
         """
         assert self.extent is not None
         count, length = heights.shape[axis], self.extent[axis]

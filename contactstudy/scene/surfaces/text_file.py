@@ -250,10 +250,10 @@ def _marks(name: str, lines: list[str], decimal: str | None) -> tuple[str | None
 
 
 # Words of a header, in English and as Gwyddion, MountainsMap and others translate them. Those of `x` (along a row), `y`
-# (from row to row) and `z` (the height) name an axis. The others say what a number is: a `step` between points, a `size`
-# of all, a `factor` of heights (by `times` even where no axis is named), the value of `invalid` points unless a word of
-# `number` says that it is their number, or a `count` of points. One by a word of `other` is not used. `unit` words name
-# a unit alone.
+# (from row to row) and `z` (the height) name an axis, those of `unit` a unit alone. The others say what a number is: a
+# `step` between points, a `size` of all points, a `count` of points, or a `factor` of heights, which `times` is even
+# without an axis. A number by `invalid` stands for a missing point, and with a word of `number` says how many there are.
+# A number by a word of `other` is not used.
 WORDS = {
     "x": "x dx nx w width columns cols ncols breite largeur ancho anchura larghezza horizontal fast "
     "column point punkt spalten",

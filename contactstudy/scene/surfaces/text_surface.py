@@ -128,7 +128,8 @@ def unit_of_heights(name: str, reading: Reading, own: float | None = None, unkno
     return given or own or 1.0  # one of the first two is known
 
 
-# Points along each side of a matrix, and rows of points in columns. A table of fewer is one of something else.
+# Fewest points along each side of a matrix and of a profile, and fewest rows of columns x, y and height: a smaller table
+# is taken for something else.
 MIN_POINTS, MIN_COLUMN_POINTS = 8, 4
 # First words of the names of columns, by axis.
 COLUMNS = {

@@ -33,7 +33,7 @@ def library(real: str, preconditioner: str) -> Any:
 
 def launch(name: str, *arguments: Any, results: int = 0) -> np.ndarray:
     """Run a kernel on the processor, as :func:`gpu.launch` does on a GPU."""
-    real, preconditioner, cells, columns = gpu.described(arguments)
+    real, preconditioner, cells, columns = gpu.types_and_cells(arguments)
     out = np.full(gpu.MAX_SUMS, np.nan)
     values: list[Any] = [ctypes.c_longlong(cells), ctypes.c_longlong(columns)]
     for argument in arguments:

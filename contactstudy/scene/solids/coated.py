@@ -234,7 +234,7 @@ class CoatedHalfSpace:
 
     @cached_property
     def interfaces(self) -> tuple[tuple[LayerResponse, float], ...]:
-        """The materials above and below each interface, by the coating's shear modulus over theirs, and its depth."""
+        """Materials above and below each interface, by the coating's shear modulus over theirs, and its depth [m]."""
         materials, depths = [replace(self.coating, thickness=math.inf)], []
         for _, part, top, _ in self.parts.values():
             if (material := replace(part, thickness=math.inf)) != materials[-1]:

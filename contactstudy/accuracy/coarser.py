@@ -3,10 +3,10 @@
 A pressure (x, y) is constant in each cell. It wraps along an axis where the padding makes that axis periodic. Sides are
 borders between a cell in contact and one out of contact, the discrete outline of the contact.
 
-Beside a straight edge, many cells from any other, the pressure is the square root of the distance from it. What cells
-of constant pressure make of it depends on nothing but where in its cell the edge lies, its place in cells outward of
-the centre of the last cell in contact. A smooth cylinder, solved directly on a row of cells with its edges at each
-place, says how, and is compared with Hertz's pressure: this is the law of an edge.
+Beside a straight edge, many cells from any other, the pressure goes with the square root of the distance from it. Its
+error in cells of constant pressure depends on the place of the edge alone: how many cells outward of the centre of the
+last cell in contact it lies. The law of an edge says how: smooth cylinders with edges at each place are solved directly
+on a row of cells, and compared with Hertz's pressure.
 """
 
 from collections.abc import Callable, Sequence
@@ -133,9 +133,9 @@ class StraightEdges(NamedTuple):
     places
         Places (side, y) of both edges, in cells outward of the middle of the grid; the side at larger x comes first.
     uncertainty
-        Uncertainty [cells] of both places together: the difference between the place by the last two cells and that by
-        the second and third, and the second difference of the places along y, by which an edge bends within a cell. The
-        former was 1.7 to 40 times the error on cylinders of 16 to 200 cells.
+        Uncertainty [cells] of both places together, the sum of two parts. The difference between the place by the last
+        two cells and that by the second and third was 1.7 to 40 times the error on cylinders of 16 to 200 cells. The
+        second difference of the places along y is that by which an edge bends within a cell.
     """
 
     places: Array

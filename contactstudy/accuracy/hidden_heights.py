@@ -258,9 +258,9 @@ def _off_lines(problem: Problem) -> tuple[Array, Array, Array]:
     """Return missed heights, protrusions and rises, fields (x, y) [m] of the heights off the lines; 0 for a profile.
 
     A missed height is the largest interpolation error in the cell of cubics through the centres, and a protrusion lies
-    closer than the centres of the cell and all its neighbours. The rise is that of the pressure over ``E* / dx``: that
-    of a round bump ``exp(-r^2 / s^2)``, s in cells, with the same largest and mean square error in the cell: the mean is
-    ``pi s^2 / 2`` of the largest square. With the probability ``(1 - q)^k`` none of k random points in a cell hits a
+    closer than the centres of the cell and all its neighbours. The rise, that of the pressure over ``E* / dx``, is by a
+    round bump ``exp(-r^2 / s^2)``, s in cells, with the same largest and mean square error in the cell. Its mean square
+    is ``pi s^2 / 2`` times the largest. With the probability ``(1 - q)^k`` none of k random points in a cell hits a
     feature over the fraction q of it; points of low discrepancy leave smaller holes. Each point is examined in all
     cells at once.
     """

@@ -132,9 +132,9 @@ class GridRequirements:
     def half_width(self) -> float:
         """Expected half-width of the contact [m].
 
-        It is where Hertz's gap equals the largest height, of rollers times `CROWN_FACTOR`, or the width that carries
-        the load at the hardness. At t half-widths a the gap is ``a^2 / (2 R) (t (t^2 - 1)^(1/2) - arcosh t)`` (Johnson
-        1985, sect. 4.2(c)).
+        It is where Hertz's gap equals the largest height, of rollers times `CROWN_FACTOR`, or what carries the load at
+        the hardness where that is wider. At t half-widths a the gap is ``a^2 / (2 R) (t (t^2 - 1)^(1/2) - arcosh t)``
+        (Johnson 1985, sect. 4.2(c)).
         """
         hertz = self.hertz
         scale = hertz.half_width**2 / (2 * hertz.radius)
@@ -164,8 +164,8 @@ class GridRequirements:
     def width(self, least: float) -> float:
         """Return the width of the grid [m]: at least `least` [m], unless the shapes are known over less.
 
-        A random surface without an extent has that of the grid. That is wide enough to be representative, and grows by
-        factors of two, so that a somewhat larger load leaves the surface as it is.
+        A random surface without an extent has that of the grid. The grid is then wide enough to be representative, and
+        grows by factors of two, so that a somewhat larger load leaves the surface as it is.
         """
         unit = WAVES_PER_PERIOD * max((scales.longest_across for scales in self.length_scales), default=0.0)
         if unit:

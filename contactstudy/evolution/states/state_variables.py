@@ -181,9 +181,9 @@ class WearState:
     """State variable of wear: the wear depth w, with ``dw/dt = k v p`` (Archard 1953).
 
     The pressure at the start of a step acts in its explicit fraction, the pressure at its end in the remaining one,
-    which adds a constant to the diagonal of the operator. The wear volume is exact where the load changes within the
-    step: both pressures are scaled down to the mean load, or the weight of the pressure at the start is raised, and
-    then that of the pressure at the end.
+    which adds a constant to the diagonal of the operator. The wear volume is exact also where the load changes within
+    the step. Where the weighted load is above the mean one, both pressures are scaled down to the mean load. Where it is
+    below, the weight of the pressure at the start is raised, and then that of the pressure at the end.
 
     Attributes
     ----------

@@ -273,7 +273,7 @@ class LundbergProfileTable:
     k2
         Fraction K2 of the length that is profiled, above 0 and up to 1; the rest is straight.
     z_m
-        Drop z_m [m] at the ends of the profile for a load; None for that which spreads it evenly.
+        Drop z_m [m] at the ends of the profile for a load; None for the drop that spreads the load evenly.
     """
 
     length: Metres

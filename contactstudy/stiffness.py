@@ -24,12 +24,12 @@ from contactstudy.scene.solids.coated import CoatedHalfSpace
 from contactstudy.solvers.conjugate_gradients import contact_tangent
 from contactstudy.solving import solve
 
-# Relative residual with adhesion, over the norm of the indefinite operator, and the largest number of its applications:
-# 1e-8 leaves up to 0.8 % near pull-off, and fewer than 100 applications were needed.
+# Relative residual with adhesion, over the norm of the indefinite operator, and the most applications of that. With
+# 1e-8 the error is up to 0.8 % near pull-off, and fewer than 100 applications were needed.
 ADHESIVE_RTOL, ADHESIVE_MAXITER = 1e-10, 1000
 # Factor on a range that was chosen for the grid: the zone grows with the square of the range, to 2^2 x 6 cells.
 LONGER_RANGE = 2.0
-# Bound of a stiffness over the error that the law of a line contact gives for its area: of 60 random contacts, smooth,
+# Bound of a stiffness over the error that the law of a line contact gives for its area. Of 60 random contacts, smooth,
 # wavy, rough, coated or as hard as their peak, the largest true error was 0.99 of that.
 STIFFNESS_MARGIN = 1.25
 
@@ -38,8 +38,8 @@ def normal_stiffness(solution: Contact) -> float:
     """Return the normal stiffness d load / d approach [N/m per m of length], with the cells in contact fixed.
 
     It is the inverse of the energy of the pressure increment that carries a unit of load and displaces all cells in
-    contact equally: a uniform one, less what the tangent operator makes of its displacement. Cells at the hardness carry
-    no increment. The result is nan if no cell carries one. With adhesion see :func:`_adhesive_stiffness`.
+    contact equally. That is a uniform one less the tangent operator of its displacement. Cells at the hardness carry no
+    increment. The result is nan if no cell carries one. With adhesion see :func:`_adhesive_stiffness`.
     """
     if solution.adhesion is not None:
         return _adhesive_stiffness(solution)
@@ -58,12 +58,12 @@ def normal_stiffness(solution: Contact) -> float:
 def _adhesive_stiffness(contact: Contact) -> float:
     """Return the normal stiffness [N/m per m of length] of an adhesive contact, with the cells in contact fixed.
 
-    Beside the contact the attraction rises by s = -d attraction / d gap as the gap closes: the increment q of the net
-    pressure under a unit of approach fulfils ``K q = 1`` in contact and ``K q - q / s = 1`` beside it, with the operator
-    K from pressure to displacement. The system is symmetric in ``q / root(s)``, and indefinite: at pull-off the
-    stiffness is zero, and where a given approach loses stability it is infinite. Where the grid chose the range, six
-    cells in the cohesive zone trap the edge between two cells as the load changes, so that the stiffness is up to a
-    sixth too high: the contact is solved once more with a longer range.
+    Beside the contact the attraction rises by s = -d attraction / d gap as the gap closes. With the operator K from
+    pressure to displacement, the increment q of the net pressure under a unit of approach fulfils ``K q = 1`` in
+    contact and ``K q - q / s = 1`` beside it. The system is symmetric in ``q / root(s)``, and indefinite: at pull-off
+    the stiffness is zero, and where a given approach loses stability it is infinite. Where the range was chosen for the
+    grid, with six cells in the cohesive zone, the edge stays trapped between two cells as the load changes. The
+    stiffness would be up to a sixth too high: the contact is solved once more with a longer range.
     """
     scene: Any = contact.scene
     traction: Any = contact.adhesion
@@ -94,8 +94,8 @@ def _adhesive_stiffness(contact: Contact) -> float:
 def stiffness_error(contact: Contact, stiffness: float) -> float:
     """Return the bound of the relative error of a normal stiffness k, by the cells at the border of the contact.
 
-    Of a line contact ``1 / k = 2 ln(c D / a) / (pi E*)`` with the half-width a, the distance D of the datum from which
-    the approach counts, a number c and the contact modulus E*, so that ``d ln k / d ln a = 2 k / (pi E*)``; elsewhere it
+    Of a line contact ``1 / k = 2 ln(c D / a) / (pi E*)``, with the half-width a, the distance D of the datum from which
+    the approach counts, a number c and the contact modulus E*. Hence ``d ln k / d ln a = 2 k / (pi E*)``; elsewhere it
     is 1 at most. Cells at the hardness, which carry no increment, have a border of their own. With adhesion none is
     known.
     """
@@ -149,10 +149,10 @@ def distant_approach(
 ) -> DistantApproach:
     """Return approach and stiffness of a line contact between the axes of its cylinders, or a point below a flat body.
 
-    With the plane-strain compliance c of a body, ``c P / pi`` times ``2 ln(4 R / a) - 1`` is the compression of a
-    cylinder between the contact and its axis, if it is loaded opposite to the contact, and ``2 ln(2 d / a) - nu / (1 -
-    nu)`` that of a flat body down to a depth d (Johnson 1985, sect. 5.6). Both differ from the approach of half-spaces
-    by a constant times the load, whatever the surfaces are like. Here P is the load per length, R the radius, a the
+    The compression of a body is ``c P / pi`` times a factor (Johnson 1985, sect. 5.6), with its plane-strain compliance
+    c. The factor is ``2 ln(4 R / a) - 1`` of a cylinder down to its axis, if it is loaded opposite to the contact, and
+    ``2 ln(2 d / a) - nu / (1 - nu)`` of a flat body down to a depth d. Both differ from the approach of half-spaces by
+    a constant times the load, whatever the surfaces are like. Here P is the load per length, R the radius, a the
     half-width and nu Poisson's ratio. On a roller that ends, the constant is that of its pressure, at mid-length. In a
     coated body c changes with the distance; the change is part of the bound.
 

@@ -52,9 +52,9 @@ class SolveOptions:
     Parameters
     ----------
     tolerance
-        Largest dimensionless residual, above 0. The residual is the largest of these: the mean absolute gap in the
-        active set, weighted by pressure; the largest penetration without pressure, and the largest open gap at the
-        hardness, all three in units of ``Problem.scales.gap``; and the relative error of the load.
+        Largest dimensionless residual, above 0. The residual is the largest of four: the mean absolute gap in the
+        active set, weighted by pressure; the largest penetration without pressure; the largest open gap at the
+        hardness; the relative error of the load. The first three are in units of ``Problem.scales.gap``.
     max_iterations
         Iterations after which a solve ends with :attr:`~contactstudy.Status.ITERATION_LIMIT`; of tangential traction,
         applications of its response; with adhesion, inner and outer iterations together, and ten times as many for each
@@ -235,12 +235,12 @@ CUT_OFF = 1e-8
 # more.
 DEPTH = 8
 # Tolerance of a solve over the change of the gap in the outer iteration before. A tenth of it takes up to 13 % more
-# convolutions, ten times it up to 13 % fewer or 6 % more, and a hundred times it up to 40 % more.
+# convolutions, ten times it 13 % fewer to 6 % more, a hundred times it up to 40 % more.
 INNER_REDUCTION = 1e-3
 # Largest tolerance of a solve. From 1e-6 to 1e-2 the convolutions change by a fifth either way.
 FIRST_TOLERANCE = 1e-4
-# Relative change of the pressure in tolerances at which outer iterations end: where the displacement varies more with
-# the pressure than the gap does, as of rubber near its loss peak, it amplifies the error that a solve leaves up to this.
+# Relative change of the pressure, in tolerances, at which outer iterations end. A displacement that varies more with
+# the pressure than the gap does, as of rubber near its loss peak, amplifies the error of a solve up to this.
 PRESSURE_CHANGE = 10.0
 
 
@@ -351,10 +351,11 @@ def solve_with_mixing(
 ) -> LaggedSolution:
     """Return the solution of a problem with a displacement that follows from its own pressure, by fixed-point iteration.
 
-    Each outer iteration solves the contact with the mixed displacements under the pressures before, until the one under
-    the last pressure changes the gap in the contact by at most the tolerance, in units of ``problem.scales.gap``, or
-    the pressure changes by at most `PRESSURE_CHANGE` tolerances. It also converges where the map from one displacement
-    to the next is no contraction. The status is :attr:`~contactstudy.Status.NOT_CONVERGED` where neither is reached.
+    Outer iterations solve the contact with the mixed displacements under the pressures before. They end where the
+    displacement under the last pressure changes the gap in the contact by at most the tolerance, in units of
+    ``problem.scales.gap``, or the pressure changes by at most `PRESSURE_CHANGE` tolerances. By mixing they converge
+    even where the map from one displacement to the next is no contraction. The status is
+    :attr:`~contactstudy.Status.NOT_CONVERGED` where neither is reached.
 
     Parameters
     ----------

@@ -40,8 +40,8 @@ LEAST_REFINEMENT = 0.5
 LEVEL_TOLERANCE = 1e-3
 # Most outer iterations between pressure and tangential traction of elastically dissimilar bodies; 5 were seen.
 MAX_COUPLED_ITERATIONS = 60
-# Distance [cells] within which the stick-slip boundary is found: errors were at most 0.96 of the bound in 600 line
-# contacts of 28 to 90 cells, a third of them near full sliding and a third near full stick.
+# Distance [cells] within which the stick-slip boundary is found. With it errors were at most 0.96 of the bound in 600
+# line contacts of 28 to 90 cells, a third near full sliding and a third near full stick.
 STICK_SLIP_BOUNDARY_CELLS = 0.4
 
 
@@ -194,10 +194,10 @@ class TractiveShear:
     def _errors(self, levels: Array, grids: list[Grid], touching: NDArray[np.bool_]) -> RollingErrors:
         """Return the errors of the last of `levels`: (grid, number), forces over the load, creepage and power.
 
-        The error is of first order in the cells of the `grids`, coarsest first: the last difference estimates it, and
-        half of the one before guards against a last one that is small by chance; a single one counts twice. The
-        stick-slip boundary is uncertain by STICK_SLIP_BOUNDARY_CELLS, with the effect on force or creepage of Carter's
-        closed form for a contact as long along x as the `touching` cells (x, y) are in the mean.
+        The error is of first order in the cells of the `grids`, coarsest first. The last difference estimates it; half
+        of the one before guards against a last one that is small by chance. A single difference counts twice. The
+        stick-slip boundary is uncertain by STICK_SLIP_BOUNDARY_CELLS. Its effect on force or creepage is that of
+        Carter's closed form, for a contact as long along x as the `touching` cells (x, y) are in the mean.
         """
         if len(levels) == 1:
             return RollingErrors()

@@ -201,7 +201,7 @@ def _is_at_edge(name: str) -> bool:
     return re.sub(r"_\d$", "", name).endswith(AT_EDGE)
 
 
-# Ends of the names of numbers for which finer cells are no remedy: the depth of a largest stress is known only to the
+# Ends of the names of numbers for which finer cells are no remedy. The depth of a largest stress is known only to the
 # distance between the depths at which stress is computed. Hence the bound of the stress has a least change too.
 NOT_BY_CELLS = "safety_factor_depth", "von_mises_depth", "shear_stress_depth", "orthogonal_shear_depth"
 # What is in the names of numbers for which no grid is refined unless a request names them. Stresses of fatigue and
@@ -260,7 +260,7 @@ class Judged:
 def judged_numbers(quantities: Quantities, request: Request | None) -> dict[str, Judged]:
     """Return the numbers that a request speaks of, by name: all that have an error if it names none.
 
-    A name of the request stands for the number of that name, else for all that end with it: ``von_mises`` names the
+    A name of the request stands for the number of that name, else for all that end with it. So ``von_mises`` names the
     largest stress of the body, of its coating and of its substrate.
 
     Raises
@@ -303,7 +303,7 @@ def _judged(name: str, quantities: Quantities, requested: float) -> Judged:
     bound = quantity.bound / scale if scale else inf
     label = quantity.label.split(" (")[0] + (" (absolute)" if quantity.is_fraction else "")
     is_of_depths = name.endswith(NOT_BY_CELLS) or errors.MARGIN * quantity.least_change > requested
-    order = 0.5 if _is_at_edge(name) else float(not is_of_depths)
+    order = 0.5 if _is_at_edge(name) else float(not is_of_depths)  # its bound falls like the root of the cell
     absolute = readable(quantity.bound, quantity.unit, 2) if MAX_RELATIVE < bound < inf else ""
     return Judged(label, bound, requested, quantity.reason, order, absolute)
 

@@ -5,18 +5,18 @@ An isothermal film needs :class:`ShearedFilm` alone. The steps of a heated one:
 1. Each surface moves at its speed u under the heat q that flows into it. Its flash temperature is a sum of moving line
    sources (Jaeger 1942), ``dT(x) = 1 / (pi k) int q(x') exp(z) K0(|z|) dx'`` with ``z = u (x - x') rho c / (2 k)``, the
    body's conductivity k and its heat capacity per volume, rho c.
-2. Heat q, the shear stress times the slip, is generated uniformly over the thickness h, and the film of conductivity k_f
-   conducts it across: it gives ``q / 2 + k_f (T2 - T1) / h`` to the first surface, of the temperature rise T1, and the
-   remainder to the second. This is the heat partition of Blok (1937) at each point. The mean rise over the thickness is
+2. Heat q, the shear stress times the slip, is generated uniformly over the thickness h. The film of conductivity k_f
+   conducts ``q / 2 + k_f (T2 - T1) / h`` of it to the first surface, of the temperature rise T1, and the remainder to
+   the second, of T2. This is the heat partition of Blok (1937) at each point. The mean rise over the thickness is
    ``(T1 + T2) / 2 + q h / (12 k_f)``.
 3. The viscosity falls with that mean by the law of Roelands (1966), at first by the factor ``exp(-beta T)``, then less.
    With his law of pressure the logarithm of that factor grows by ``(1 + p / p0)^z``, threefold at 1 GPa. Newton's
    method makes stress and temperature consistent, line by line along the motion: conduction along the length is
    neglected.
-4. The inlet is heated by its own shear. The film that is sheared and conducts is thinner by the factor of Gupta et al.
-   (1992), of the load ``p_H / E'``, the slide-roll ratio S and the thermal loading parameter
-   ``L = beta eta0 u_m^2 / k_f``, but no thinner than a boundary film. Beyond L = 10 friction and temperatures
-   have no bound. A starved film is as thick as its supply, unless a flooded film with a heated inlet were thinner.
+4. The inlet is heated by its own shear, which makes the film that is sheared and conducts thinner by the factor of
+   Gupta et al. (1992). That depends on the load ``p_H / E'``, the slide-roll ratio S and the thermal loading parameter
+   ``L = beta eta0 u_m^2 / k_f``; a boundary film is the least. Beyond L = 10 friction and temperatures have no bound.
+   A starved film is as thick as its supply, unless a flooded film with a heated inlet were thinner.
 """
 
 from dataclasses import dataclass
@@ -363,7 +363,7 @@ def _of_coating(grid: Grid, body: ThermalBody, coating: ThermalBody, speed: floa
     (nx, _), (cell, _) = grid.cells, grid.cell_size
     fine = FINE_CELLS * FINE_PERIODS * nx
     # the rise times exp(-shift x), so that what the period wraps is small. The mean has m^2 = shift (rate - shift) > 0,
-    # since shift is a quarter of the slowest rate at most: a half or an eighth changes the result by 2e-5
+    # since shift is at most a quarter of the slowest rate. A half or an eighth changes the result by 2e-5
     slowest = min(abs(speed) * material.heat_capacity / material.conductivity for material in (body, coating))
     shift = np.sign(speed) * min(1 / (nx * cell), slowest / 4)
     wave = 2 * np.pi * np.fft.rfftfreq(fine, cell / FINE_CELLS) - 1j * shift

@@ -5,8 +5,8 @@ inequalities by primal-dual active sets (Hintermueller, Ito & Kunisch 2002). One
 
 1. Linearise the flow balance of each cell, and add the squeeze term of an implicit step in pseudo-time. From a distant
    start the film moves as in time; as the residual falls the step becomes Newton's.
-2. Solve the linear system for the active sets, and correct the sets until they hold: a cell with a negative pressure
-   cavitates, one with a negative void fraction no longer does; on a boundary film, a cell whose film would be thinner
+2. Solve the linear system for the active sets, and correct the sets until they hold. A cell with a negative pressure
+   cavitates, one with a negative void fraction no longer does. On a boundary film, a cell whose film would be thinner
    touches, one with a negative asperity pressure no longer does.
 3. Damp the step so that film and viscosity change within their limits, or reject it.
 4. Choose the next step in pseudo-time by the ratio of the residuals.

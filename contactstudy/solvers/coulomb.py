@@ -6,9 +6,9 @@ traction q on the first body, with the slip ``s = s0 + D q`` of the first agains
     ``F(q) = q - Proj(q - rho s) = 0``
 
 with the projection onto the friction set ``|q| <= mu p``, with a given resultant if there is one. Here s0 is the free
-slip, that without traction, D the elastic slip by a unit of traction, and rho the inverse of the slip of a cell under a
-unit on it alone. The trial traction is ``q - rho s``. The derivative of F is ``1 - P (1 - rho D)`` with that of the
-projection, P: ``rho D`` in cells that stick. Its equations are solved by GMRES. Where no fraction of a Newton step
+slip, that without traction, and D the elastic slip by a unit of traction. The inverse of rho is the slip of a cell
+under a unit on it alone. The trial traction is ``q - rho s``. The derivative of F is ``1 - P (1 - rho D)`` with that of
+the projection, P: ``rho D`` in cells that stick. Its equations are solved by GMRES. Where no fraction of a Newton step
 reduces F, extragradient iterations, of two projections each, are taken before the next one.
 
 Arrays (2, cells) are of the cells in contact alone, with the components along x and y; fields (component, x, y) are of
@@ -369,7 +369,7 @@ class CoulombNewton:
         The iteration begins with a first `shear` (component, x, y) [Pa], and ends at a residual of `tolerance`, or
         after `max_applications` of the slip operator. `free_slip` (component, x, y) is the slip without traction. The
         residual is the root mean square of F over the largest traction, at the least `LEAST_SHEAR` times that at the
-        start, or times the largest limit where there is none.
+        start or, without one, times the largest limit.
         """
         free, shear = self._gathered(free_slip), self._gathered(shear)
         projected = self._project(shear)

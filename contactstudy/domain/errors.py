@@ -1,9 +1,9 @@
 """Estimated errors of an answer by quantity and by cause, the constants of their bounds, and what a notebook shows.
 
 All errors are relative. Those of a pressure are in L1: the sum over the cells of its absolute error, over that of the
-pressure. A number without a law of its error is bounded by its changes between grids: the same contact is solved on a
-half, a third and a quarter of the cells along each axis, and what the number changes there is extrapolated with the
-power of the cell size with which errors fall. These bounds are computed in the package `answers`.
+pressure. A number without a law of its error is bounded by its changes between grids. The same contact is solved on a
+half, a third and a quarter of the cells along each axis. The changes of the number are extrapolated with the power of
+the cell size with which errors fall. These bounds are computed in the package `answers`.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

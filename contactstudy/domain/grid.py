@@ -3,9 +3,9 @@
 A field (x, y) has one number for each cell. Work on large fields is done in blocks of rows that fit into the cache of a
 core, is shared between threads, or is left to compiled loops; its results do not depend on the number of threads.
 
-For one axis a padding defines the ``window`` of periods whose pressure acts on a point, and whether the convolution is
-circular (``wraps``, n points) or padded with zeros (2 n points). A line contact is usually unbounded along x and
-periodic along y; either axis may take any padding.
+For one axis a padding defines the ``window`` of periods whose pressure acts on a point. It also says whether the
+convolution is circular (``wraps``, n points) or padded with zeros (2 n points). A line contact is usually unbounded
+along x and periodic along y; either axis may take any padding.
 """
 
 from collections.abc import Callable, Sequence
@@ -258,9 +258,9 @@ class Grid:
     Raises
     ------
     InvalidInput
-        If there are fewer than two cells across or none along, if the extent is no positive length, or if the
-        cells are more than 1e9 times as long as wide, where influence coefficients would be lost in rounding, or more
-        than 1e6 times as wide as long, where they would take minutes.
+        If there are fewer than two cells across or none along, or if the extent is no positive length; for cells more
+        than 1e9 times as long as wide, whose influence coefficients would be lost in rounding, or more than 1e6 times
+        as wide as long, whose coefficients would take minutes.
     """
 
     cells: tuple[Annotated[int, at_least(2)], Annotated[int, at_least(1)]]
@@ -347,11 +347,11 @@ class ZeroPadding(_Windowed):
 class DuplicatedPadding(_Windowed):
     """Padding with a copy of the pressure in the padded half of the axis, in place of zeros.
 
-    The pressure within one period to either side then acts on every point. With ``K(d)`` the displacement at the
-    distance ``d`` from a loaded cell and ``L`` the length of the axis, the doubled transform equals a circular one with
-    the folded coefficients ``K(d) + K(d - L)``, which is used here. The coefficient ``K(L)``, which the wrap-around
-    order of the transform leaves open, is kept and not set to zero. The window therefore covers half a cell more on one
-    side of a point than on the other, which matters with few cells along.
+    The pressure within one period to either side then acts on every point. The doubled transform equals a circular one
+    with the folded coefficients ``K(d) + K(d - L)``, which is used here: ``K(d)`` is the displacement at the distance
+    ``d`` from a loaded cell, and ``L`` the length of the axis. The coefficient ``K(L)``, which the wrap-around order of
+    the transform leaves open, is kept and not set to zero. The window therefore covers half a cell more on one side of
+    a point than on the other, which matters with few cells along.
     """
 
     wraps: ClassVar[bool] = True
@@ -416,9 +416,8 @@ class CircularSuperposition(_Counted):
 class ExactPeriodicity(_Windowed):
     """Periodic axis with the sum over infinitely many images, in closed form.
 
-    The displacement under infinitely many loads is finite only up to a rigid displacement. Along one axis it is
-    relative to a point at the scene's length scale (for a cylinder, the Hertz half-width) from the axis, under the mean
-    line load concentrated on the axis; along both axes it is relative to its mean.
+    The displacement under infinitely many loads is finite only up to a rigid displacement. Along one axis it counts from
+    a point at the distance ``Scene.datum`` from a load, for a cylinder twice its radius; along both axes from its mean.
     """
 
     wraps: ClassVar[bool] = True

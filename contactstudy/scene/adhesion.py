@@ -33,8 +33,8 @@ class Adhesion:
         Work of adhesion [J/m^2], to separate a unit of area; above zero.
     range
         Range of the attraction [m]: its work over its largest value. None takes the limit of short ranges (Johnson,
-        Kendall & Roberts 1971) as far as the grid resolves it, with six cells in the cohesive zone, the shortest one of
-        bodies that creep. The pull-off load of a cylinder is then within 0.3 % of that limit on fine grids.
+        Kendall & Roberts 1971) as far as the grid resolves it, with six cells in the cohesive zone; of bodies that creep
+        the shortest zone counts. The pull-off load of a cylinder is then within 0.3 % of that limit on fine grids.
     law
         ``"exponential"``, ``work / range exp(-gap / range)``, or ``"dugdale"`` for a constant attraction that falls
         linearly to zero around the range. It falls between 0.9 and 1.1 times the range on 30 or more cells in the

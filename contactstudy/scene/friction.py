@@ -54,9 +54,9 @@ def has_proportional_compliances(solids: tuple[Body, ...], gap: Array, paddings:
 def dundurs(solids: tuple[Body, ...]) -> float:
     """Return Dundurs' beta of the instantaneous response of two bodies, 0 for two equal bodies of any kind.
 
-    ``beta = (a1 - a2) / (2 (b1 + b2))`` with a = (1 - 2 nu) / G and b = (1 - nu) / G of either body, of Poisson's ratio
-    nu and shear modulus G (Johnson 1985, eq. 5.3). For coated bodies it is the value of largest magnitude between any
-    two of their materials, those of the layers and of the substrates.
+    ``beta = (a1 - a2) / (2 (b1 + b2))`` with a = (1 - 2 nu) / G and b = (1 - nu) / G of either body, where nu is
+    Poisson's ratio and G the shear modulus (Johnson 1985, eq. 5.3). For coated bodies it is the value of largest
+    magnitude between any two of their materials, those of the layers and of the substrates.
 
     Raises
     ------
@@ -524,10 +524,10 @@ class TractiveRolling:
     """Steady rolling with creepage: a part of the contact sticks, the rest slips.
 
     The contact moves over both bodies, to larger x at a positive speed, and material enters it ahead. Heights are fixed
-    in the frame of the contact: profiles, roller ends, circumferential lay. Creepage is the relative rigid-body velocity
-    of the second body against the first over the rolling speed, so that a positive creepage makes a positive tangential
-    traction on the first body. Between dissimilar bodies traction changes the pressure, and they slip under the normal
-    load alone. Bodies that creep follow pressure and traction with their delay, which makes a rolling resistance.
+    in the frame of the contact: profiles, roller ends, circumferential lay. Creepage is the rigid-body velocity of the
+    second body relative to the first, over the rolling speed: a positive one makes a positive tangential traction on
+    the first body. Between dissimilar bodies traction changes the pressure, and they slip under the normal load alone.
+    Bodies that creep follow pressure and traction with their delay, which makes a rolling resistance.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Stress below the surface of a body: what a user asks for, the map from pressure to it, and measures of a stress.
 
-A stress has six components in the order of ``COMPONENTS`` (xx, yy, zz, yz, xz, xy), tension positive, with x across the
-contact, y along it and z into the body, which is the depth.
+A stress has six components in the order of ``COMPONENTS`` (xx, yy, zz, yz, xz, xy), tension positive. x is across the
+contact, y along it, and z, the depth, into the body.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -41,12 +41,12 @@ MAX_VALUES = 2**25
 class SubsurfaceStress:
     """Stress below the surface of one body: all six components and von Mises' stress.
 
-    In a Dataset they are ``stress`` (component, z, x, y) [Pa], tension positive, with x across the contact, y along
-    it and z into the body, and ``von_mises`` (z, x, y) [Pa]. They are computed when the Dataset is made. Poisson's
-    ratio of the body sets xx, yy and xy. In a coated body these three jump at the interface: a depth equal to the
-    thickness is the coating's side, any larger one is in the substrate. In a body that yields they include the residual
-    stress, interpolated between the middles of its layers. Where the domain repeats along both axes, mean lateral strain
-    is prevented, whatever the images: the mean of xx and yy is ``-nu / (1 - nu)`` of the mean pressure.
+    In a Dataset they are ``stress`` (component, z, x, y) [Pa], tension positive, and ``von_mises`` (z, x, y) [Pa], with
+    x across the contact, y along it and z into the body. They are computed when the Dataset is made. Poisson's ratio of
+    the body sets xx, yy and xy. In a coated body these three jump at the interface: a depth equal to the thickness is
+    the coating's side, any larger one is in the substrate. In a body that yields they include the residual stress,
+    interpolated between the middles of its layers. Where the domain repeats along both axes, mean lateral strain is
+    prevented, whatever the images: the mean of xx and yy is ``-nu / (1 - nu)`` of the mean pressure.
 
     Parameters
     ----------
@@ -358,8 +358,8 @@ def orthogonal_shear(stress: Array) -> Array:
     """Return the amplitude of the shear stress xz, half its range along x at one depth, as fields (..., x, y).
 
     A point of a body that rolls along x sees the whole range (Lundberg & Palmgren 1947). The amplitude is the largest
-    value of a field along x: at each place half the distance of the shear stress from its farther end of the range, so
-    that a field has a maximum for each place at which the shear stress does.
+    value of the field along x, which at each place is half the distance of the shear stress from the farther end of its
+    range. The field then has a maximum wherever the shear stress has one.
     """
     shear = stress[4]
     lowest, highest = shear.min(axis=-2, keepdims=True), shear.max(axis=-2, keepdims=True)

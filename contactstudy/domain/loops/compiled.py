@@ -1,7 +1,7 @@
 """Loops over fields compiled by numba (extra ``fast``): each reads and writes its fields once.
 
-Each takes the place of several array operations of the conjugate gradient iteration for the pressure, of its
-preconditioner, of transforms or of a film, and differs from them by rounding.
+Each takes the place of several array operations, and differs from them by rounding. They belong to the conjugate
+gradient iteration for the pressure, to its preconditioner, to transforms or to a film.
 
 Arguments of one name have one meaning. Fields have the shape (x, y) and are C-contiguous: others would be compiled
 again. Pressures, gaps and displacements are dimensionless. ``height`` is the gap between the bodies, ``limit`` the upper
@@ -105,8 +105,8 @@ def gap(
     """Write the `height` of the gap, counted from the approach, and the terms of its residual.
 
     Each row gets the sum of the pressure, and over the active set the sums of pressure times absolute gap and of the
-    pressure; the first row also gets, of all rows, the largest violation of other cells, a negative gap without pressure
-    or a positive one at the limit, and the largest absolute displacement.
+    pressure. The first row also gets two values of all rows: the largest violation in other cells, which is a negative
+    gap without pressure or a positive one at the limit, and the largest absolute displacement.
     """
     columns = height.shape[1]
     # one maximum a column: that of a row would not be vectorised
@@ -214,7 +214,7 @@ def trial(
 
     The direction is `shift` less the preconditioned residual, plus `beta` times the last step; it is zero outside the
     active set. Each row gets the number of cells that were beyond a limit, the sum of the new pressure, the number of
-    cells with pressure, and the slope of the complementary energy along the step, the sum of gap times change; the first
+    cells with pressure, and the sum of gap times change, the slope of the complementary energy along the step. The first
     row also gets the largest pressure of all rows.
     """
     columns = pressure.shape[1]

@@ -344,9 +344,10 @@ class LundbergProfile:
     def for_load(cls, load_per_length: float, *, contact_modulus: float, radius: float, length: float) -> Self:
         """Return the profile under which a load is spread evenly along the roller.
 
-        Hertz's pressure, ending at ``|y| = L / 2``, displaces the surface at y by ``A ln(1 / (1 - (2 y / L)^2))`` less
-        than in the middle, A = W / (pi E*), and at the ends by ``A (ln(L / a) + 1/2)`` less, which is the end drop d.
-        Johns & Gohar (1981) write it as ``exp(-d / A) = 0.3033 a / (L / 2)``, where 0.3033 is ``exp(-1/2) / 2``.
+        With ``A = W / (pi E*)`` and Hertz's half-width a, Hertz's pressure that ends at ``|y| = L / 2`` displaces the
+        surface at y by ``A ln(1 / (1 - (2 y / L)^2))`` less than in the middle. At the ends the difference, the end drop
+        d, is ``A (ln(L / a) + 1/2)``. Johns & Gohar (1981) write it as ``exp(-d / A) = 0.3033 a / (L / 2)``, where
+        0.3033 is ``exp(-1/2) / 2``.
 
         Parameters
         ----------

@@ -203,9 +203,9 @@ MAX_WAVES = 1e9
 MOST_OF_HEIGHT = 0.95
 # Relative rounding of wave numbers, so that a wave at the cut-off is always one of the surface.
 ROUNDING = 1e-9
-# The density of a wave within NEAR times the lowest wave numbers is the mean of SUBCELLS points along each axis of its
-# cell of wave numbers, of others that in the middle. This differs from the mean by up to n^2 / (24 NEAR^2) of it, 4 %,
-# where the density falls as k^-n with n up to 4. Of the points of the longest waves the same error is below 0.3 %.
+# The density of a wave is that in the middle of its cell of wave numbers. Where it falls as k^-n, with n up to 4, this
+# differs from its mean over the cell by up to n^2 / (24 NEAR^2), 4 %, beyond NEAR times the lowest wave numbers. Within
+# these it is the mean of SUBCELLS points along each axis of the cell, whose error is below 0.3 %.
 NEAR, SUBCELLS = 4, 16
 
 

@@ -18,8 +18,8 @@ import numpy as np
 from contactstudy.domain.grid import Array
 from contactstudy.domain.validation import InvalidInput
 
-# Units of length [m] by their names in lower case and without the s of a plural (that of "inches" leaves "inche"), the
-# micro sign written u, "metre" and the like written m.
+# Units of length [m] by their names in lower case, with u for the micro sign and m for "metre" and the like. The s of a
+# plural is left off, which makes "inche" of "inches".
 LENGTHS = {
     "m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "micron": 1e-6, "nm": 1e-9, "å": 1e-10, "angstrom": 1e-10, "pm": 1e-12,
     "in": 25.4e-3, "inch": 25.4e-3, "inche": 25.4e-3, "mil": 25.4e-6, "uin": 25.4e-9,

@@ -430,8 +430,8 @@ class SpeedHistory(PiecewiseLinear):
         """Speed [m/s] at each instant."""
         return self.mean_speed
 
-    def at(self, time: float) -> float:
-        """Return the speed [m/s] at ``time`` [s]; before the first instant the first one, not zero."""
+    def _between(self, count: int, time: float) -> float:
+        """Return the speed [m/s] at `time` [s], before which there are `count` instants; the first one if none."""
         return float(np.interp(time, self.times, self.mean_speed))
 
 

@@ -209,12 +209,8 @@ def in_part(depths: Array, top: float, bottom: float) -> NDArray[np.bool_]:
 
 
 def is_layered(solid: object) -> TypeGuard[Layered]:
-    """Return whether a body has a compliance that depends on the wavelength, which is the method `compliance_at`.
-
-    So has a creeping body in rolling, which has no layers: ask bodies of a scene only for these. ``isinstance`` of a
-    protocol takes as long as a tenth of a set-up.
-    """
-    return hasattr(solid, "compliance_at")
+    """Return whether a body has layers; ``isinstance`` of a protocol takes as long as a tenth of a set-up."""
+    return hasattr(solid, "layers")
 
 
 def creeps(solid: object) -> bool:
@@ -287,11 +283,14 @@ def instantaneous(solids: tuple[Body, Body]) -> tuple[Body, Body]:
 def contact_modulus(solids: tuple[Body, ...], half_width: float | None = None) -> float:
     """Return E* [Pa] of the bodies together: compliances add (Johnson 1985, sect. 4.2).
 
-    A :class:`Layered` body enters with its compliance at `half_width` [m], or without one as its coating alone.
-    Raises :class:`~contactstudy.InvalidInput` if all bodies are rigid.
+    A body with a method ``compliance_at``, which is :class:`Layered` or creeps in rolling, enters with its compliance at
+    `half_width` [m], or without one as its coating alone or with its instantaneous compliance. Raises
+    :class:`~contactstudy.InvalidInput` if all bodies are rigid.
     """
     total = sum(
-        solid.compliance_at(half_width) if half_width is not None and is_layered(solid) else solid.compliance
+        solid.compliance
+        if half_width is None or not hasattr(solid, "compliance_at")
+        else solid.compliance_at(half_width)
         for solid in solids
     )
     if total == 0:
@@ -302,7 +301,7 @@ def contact_modulus(solids: tuple[Body, ...], half_width: float | None = None) -
 def hertz_line(load: float, radius: float, solids: tuple[Body, ...]) -> HertzLine:
     """Return the smooth line contact under a `load` [N/m], with the modulus of the bodies at its own half-width.
 
-    Its half-width a solves ``a^2 E*(a) = 4 W R / pi``, where E* varies with it for a :class:`Layered` body.
+    Its half-width a solves ``a^2 E*(a) = 4 W R / pi``, where E* varies with it as :func:`contact_modulus` says.
     """
 
     def half_width(modulus: float) -> float:
@@ -314,7 +313,7 @@ def hertz_line(load: float, radius: float, solids: tuple[Body, ...]) -> HertzLin
 def modulus_at_own_width(width: Callable[[float], float], solids: tuple[Body, ...]) -> float:
     """Return the E* [Pa] of the bodies at a width [m] that follows from E* itself by the function `width`."""
     at_surface = contact_modulus(solids)
-    if not any(map(is_layered, solids)):
+    if not any(hasattr(solid, "compliance_at") for solid in solids):
         return at_surface
     from scipy.optimize import brentq  # imported late, since it is slow
 

@@ -23,6 +23,7 @@ from contactstudy.accuracy.coarser import (
     wraps_of,
 )
 from contactstudy.accuracy.hidden_heights import HiddenEffect, HiddenHeights
+from contactstudy.domain.errors import NO_PEAK
 from contactstudy.domain.grid import Array, axis_first
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.scene import scene_of
@@ -44,8 +45,8 @@ NO_AREA = (
     "No bound for the contact area: the contact is one or two cells wide, or may open in every cell, give more cells."
 )
 PROTRUDING = (
-    "No bound for the discretisation error: between the cell centres the surface protrudes further than "
-    "the contact flattens it; give more cells, or the shape's `length_scales`."
+    "No bound for the discretisation error: between the cell centres the surface protrudes further than the contact "
+    "flattens it; give more cells{}."
 )
 
 
@@ -110,7 +111,9 @@ def discretisation_bound(
     force = acting_force(solution)
     inside = heights.effect_under(problem, force)
     if inside.protrudes:
-        return DiscretisationErrors.unbounded(PROTRUDING, no_load)
+        scales_known = getattr(problem.source, "has_length_scales", False)
+        reason = PROTRUDING.format("" if scales_known else ", or the shape's `length_scales`")
+        return DiscretisationErrors.unbounded(reason, no_load)
     adheres, load_is_fixed = solution.adhesion is not None, _load_is_fixed(solution)
     at_end, at_hardness = end_error(solution), _at_hardness(solution)
     # where the grid chooses the range of an attraction, edges follow another law
@@ -317,7 +320,7 @@ def _no_peak(solution: Solution, inside: HiddenEffect) -> str:
         reason = "the roller carries pressure up to its sharp end, where it is infinite: give a profile that drops more"
     elif has_isolated_cells(solution):
         reason = "too few cells in contact are neighbours: give more cells"
-    return f"No bound for the peak pressure: {reason}." if reason else ""
+    return f"{NO_PEAK}{reason}." if reason else ""
 
 
 def _at_hardness(solution: Solution) -> bool:

@@ -41,7 +41,7 @@ from contactstudy.accuracy.error_terms import (
 from contactstudy.accuracy.hidden_heights import HiddenHeights
 from contactstudy.accuracy.plausibility import beyond_strength, implausible
 from contactstudy.domain.device import cache_of, caching
-from contactstudy.domain.errors import MARGIN, ErrorEstimate, ErrorParts
+from contactstudy.domain.errors import MARGIN, NO_PEAK, NO_STRESS, ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import Array, Grid
 from contactstudy.domain.validation import NotDefined
 from contactstudy.scene.scene import scene_of
@@ -385,21 +385,22 @@ def unbounded_by_peak(estimate: ErrorEstimate, depths: Array, grid: Grid) -> Err
         return None
     if depths.min() >= _longest_cell(grid):
         return None
-    reason = peak.reason.replace("the peak pressure", "the largest stress")
-    return ErrorParts(discretisation=inf, reason=reason)
+    return ErrorParts(discretisation=inf, reason=NO_STRESS + peak.reason.removeprefix(NO_PEAK))
 
 
-def unresolved_interface(grid: Grid, thickness: float) -> ErrorParts | None:
-    """Return an infinite error of the shear stress at an interface with the reason; None on a grid that resolves it.
+def unresolved_interface(
+    grid: Grid, thickness: float, name: str = "shear stress at the interface"
+) -> ErrorParts | None:
+    """Return an infinite error of a shear stress in a layer with the reason; None on a grid that resolves it.
 
-    It lies beside an edge of the contact, over a length of the `thickness` [m] of the layer above, so that it has a
-    bound on cells of up to half of that.
+    The reason calls it by its `name`. The stress lies beside an edge of the contact, over a length of the `thickness`
+    [m] of the layer above, so that it has a bound on cells of up to half of that.
     """
     cell, largest = grid.cell_size[0], thickness * CELL_AT_INTERFACE
     if cell <= largest * (1 + 1e-9):
         return None
     reason = (
-        f"No bound for the shear stress at the interface: the grid has {thickness / cell:.2g} cells in the coating, "
+        f"No bound for the {name}: the grid has {thickness / cell:.2g} cells in the coating, "
         f"give {int(np.ceil(grid.extent[0] / largest))} cells across."
     )
     return ErrorParts(discretisation=inf, reason=reason)

@@ -17,6 +17,8 @@ import numpy as np
 
 from contactstudy.domain.validation import is_default
 
+# Beginnings of the reasons why a peak pressure, and for the same reason a largest stress, has no bound.
+NO_PEAK, NO_STRESS = "No bound for the peak pressure: ", "No bound for the largest stress: "
 # Most letters of a value in a row of a notebook: with the name before them they fit into a line of 120.
 VALUE_LETTERS = 90
 

@@ -12,6 +12,7 @@ from math import isfinite
 
 import numpy as np
 
+from contactstudy.domain.errors import NO_PEAK
 from contactstudy.domain.grid import Array, Grid, Padding, Paddings, across_and_along
 from contactstudy.domain.validation import readable
 from contactstudy.lubrication.film_equation import INLET_CELLS, FilmScales
@@ -30,10 +31,7 @@ SHEAR_LIMIT, SHEAR_LIMIT_OVER_PRESSURE, FRICTION_BEYOND_LIMIT = 1e7, 0.15, 0.01
 # It is not critical: of 38 smooth films at M = 3 to 200, L = 0 to 14 on 200 cells, 20 keep a bound, and 19 and 21 with
 # half and twice of it. On four times the cells their peaks grew by less than the bound.
 SPIKE = 0.02
-OF_SPIKE = (
-    "No bound for the peak pressure: it may be that of the spike before the outlet, which grows with the number of "
-    "cells."
-)
+OF_SPIKE = f"{NO_PEAK}it may be that of the spike before the outlet, which grows with the number of cells."
 # A pressure that falls from one cell to the next by more than this fraction of the highest may hide a spike. With
 # Barus' law at M = 5, L = 9 the highest pressure grows from 1.1 to 2.4 p_H on 64 to 1280 cells, steeper on all.
 STEEP_FALL = 0.3

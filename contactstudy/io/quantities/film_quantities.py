@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contactstudy.analytic import dowson_higginson_film, film_asymptotes
-from contactstudy.domain.errors import ErrorEstimate, ErrorParts
+from contactstudy.domain.errors import NO_PEAK, NO_STRESS, ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import across_and_along
 from contactstudy.domain.validation import readable
 from contactstudy.io.quantities.quantity import FORMULA, NO_ESTIMATE, Quantity
@@ -117,11 +117,11 @@ def film_quantities(contact: "FilmSolution", l1: ErrorParts) -> dict[str, Quanti
     estimate, paddings = ErrorEstimate(l1, of_peak), across_and_along(contact.padding)
     stresses = stress_quantities(contact.scene, contact.derived, contact.grid, estimate, paddings)
     # the orthogonal shear stress lies deeper than a spike acts: on 200 films its changes between grids bounded it,
-    # while those of other stresses were up to 12 times too small; stresses have reasons of their own with these words
+    # while those of other stresses were up to 12 times too small
     below_spike = {
         name: replace(of, reason=reason)
         for name, of in stresses.items()
-        if name.startswith("orthogonal_shear") and "of the spike" in of.reason
+        if name.startswith("orthogonal_shear") and of.reason == NO_STRESS + spike.removeprefix(NO_PEAK)
     }
     return quantities | stresses | below_spike
 

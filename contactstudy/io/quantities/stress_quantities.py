@@ -243,11 +243,8 @@ def _shear_quantities(
     doubled = [(2 * value, depth) for value, depth in amplitude.rivals]
     label = f"double amplitude of the {amplitude.label}"
     found[f"{key}_range"] = replace(amplitude, value=2 * amplitude.value, label=label, rivals=doubled)
-    unresolved = unresolved_interface(grid, part.thinnest)
-    if unresolved is not None:
-        in_words = unresolved.reason.replace("shear stress at the interface", "orthogonal shear stress")
-        unresolved = replace(unresolved, reason=in_words)
-    elif 0 < (mises.position or {}).get("z", 0.0) < grid.cell_size[0]:
+    unresolved = unresolved_interface(grid, part.thinnest, "orthogonal shear stress")
+    if unresolved is None and 0 < (mises.position or {}).get("z", 0.0) < grid.cell_size[0]:
         unresolved = ErrorParts(discretisation=inf, reason=UNRESOLVED_SHEAR)
     found = {name: with_bound(quantity, unresolved) for name, quantity in found.items()}
     return _with_depth(f"{part.prefix}largest_shear_stress", f"largest shear stress {at}", largest, samples) | found

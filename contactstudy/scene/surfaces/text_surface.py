@@ -322,7 +322,7 @@ def _gridded(name: str, places: list[tuple[Array, float]], z: Array) -> Heights:
     name
         Path of the file.
     places
-        Positions of all points along x, and along y unless they are a profile, each with its unit [m].
+        Positions of all points along x, and along y if there are any, each with its unit [m].
     z
         Heights of all points.
     """
@@ -339,9 +339,9 @@ def _gridded(name: str, places: list[tuple[Array, float]], z: Array) -> Heights:
         indices.append(index)
         sizes.append(step * (index.max() + 1) * unit)
         shift = max(shift, off * step * unit)
-    if len(places) == 1:
-        indices.append(0 * indices[0])
-        sizes.append(sizes[0] / (indices[0].max() + 1))  # of square cells
+    if len(places) == 1 or not indices[1].any():  # a profile, also one whose points all have one y: of square cells
+        indices[1:] = [0 * indices[0]]
+        sizes[1:] = [sizes[0] / (indices[0].max() + 1)]
     heights = np.full((indices[0].max() + 1, indices[1].max() + 1), np.nan)
     if heights.size > 2 * len(z):
         raise InvalidInput(f"path is {name!r}, whose points fill less than half of a grid: {remedy}.")
@@ -358,7 +358,8 @@ def _on_line(positions: Array) -> tuple[NDArray[np.intp], float, float]:
 
     Sorted positions with gaps up to a limit between them have one index; a larger gap leads to the next, or across a
     hole by as many as it has median gaps. Since the largest gap may be a hole, limits of 1/2, 1/4 ... 1/1024 of it are
-    tried, and the one that gives the most regular line counts.
+    tried, and the one that gives the most regular line counts. Where all positions are one, the indices are 0, and the
+    step is 1, since none is known.
     """
     order = np.sort(positions)
     gaps = np.diff(order)

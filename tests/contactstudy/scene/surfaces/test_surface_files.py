@@ -249,6 +249,11 @@ def test_a_stylus_trace_runs_across_and_transposed_along(tmp_path: Path) -> None
     assert surface(tmp_path, text, transpose=True).heights.shape == (1, 12)
 
 
+def test_points_on_one_line_are_a_profile_of_square_cells(tmp_path: Path) -> None:
+    points = "\n".join(f"{5e-5 * n:.6f},0.002,{z * 1e-6:.10f}" for n, z in enumerate(MAP[:, 0]))
+    assert_is_map(surface(tmp_path, "x [m],y [m],z [m]\n" + points), MAP[:, :1], (6e-4, 5e-5))
+
+
 def test_a_surface_is_transposed_and_flipped_as_it_is_read_and_written_so(tmp_path: Path) -> None:
     computed = surface(tmp_path, IN_METRES, transpose=True, flip="across")
     assert_is_map(computed, MAP.T[::-1], EXTENT[::-1])

@@ -121,8 +121,8 @@ INLET = 1.75
 def pressure_request(request: Request) -> float:
     """Return the relative L1 error of the pressure with which a request begins.
 
-    Without one of its own that is the smallest of the request, but at least :data:`DEFAULT_ERROR`: numbers that need
-    less refine the cells from there.
+    If the keys of the request lack :data:`PRESSURE`, it is the smallest error of the request, but at least
+    :data:`DEFAULT_ERROR`: for smaller errors of numbers the cells are refined from there.
     """
     if not isinstance(request, Mapping):
         return request

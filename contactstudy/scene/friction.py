@@ -391,7 +391,7 @@ class PartialSlip:
         Force along x on the first body, over the length that the load acts on [N/m]; of either sign, less than the
         coefficient times the load, and beside adhesion times the sum of the load and of the attraction.
     total
-        The same on the whole length of a roller [N], in place of `tangential`.
+        Force along x on the first body over the whole length of a roller [N], in place of `tangential`.
     bulk_stress
         Stress of one whole body along x [Pa], tension positive, which rises with the force (fretting fatigue). A strain
         of ``(1 - nu^2) / E`` times this adds to the slip, and its stress to that below the surface.

@@ -433,6 +433,7 @@ class Scene(InNotebook):
             control=control,
             scales=self.scales(grid),
             paddings=paddings,
+            # outer cells that contact should not reach, where the surface goes on beyond them
             open_edges=(0, -1) if is_free(paddings[0]) else (),
             open_ends=(0, -1) if is_free(paddings[1]) and varies and not source.ends_along else (),
             source=source,

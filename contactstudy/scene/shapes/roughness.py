@@ -199,7 +199,8 @@ class Waviness:
 HEIGHT_OVER_RMS = 4.0
 # Largest number of waves of a surface; their amplitudes take some tens of gigabytes.
 MAX_WAVES = 1e9
-# Fraction of the rms height below which a surface says what its extent leaves out.
+# Fraction of the rms height below which a surface says what its extent leaves out. Square extents of 1 to 1.3 roll-offs
+# hold it, by Hurst exponents from 0.3 to 1; those of 0.7 to 0.95 roll-offs hold 0.9, those of 1.3 to 1.9 hold 0.975.
 MOST_OF_HEIGHT = 0.95
 # Relative rounding of wave numbers, so that a wave at the cut-off is always one of the surface.
 ROUNDING = 1e-9

@@ -214,8 +214,8 @@ class Sliding:
     coefficient
         Coefficient of friction, at least 0 and below 1.
     standing
-        Index (0 or 1) in ``Scene.solids`` of the body on which the contact stands still, such as a slider or a block: it
-        wears in place, and does not creep from one place to the next. None for a contact that moves over both bodies.
+        Index (0 or 1) in ``Scene.solids`` of the body on which the contact stands still, such as a slider or a block,
+        which wears and creeps in one place. None for a contact that moves over both bodies.
 
     Raises
     ------

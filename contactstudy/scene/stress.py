@@ -145,7 +145,7 @@ class SubsurfaceStressOperator:
     face_coefficients
         Influence coefficients of the displacement of the body if it has free faces, else None.
     profile
-        Yield stress by depth, over which the depths are searched as well; or None.
+        Yield stress by depth, with which chosen depths also include that of the least safety; or None.
     """
 
     grid: Grid

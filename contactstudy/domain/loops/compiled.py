@@ -357,7 +357,7 @@ def interpolated_outside(
     """
     rows, columns = blocks.shape
     full, most, least = blocks.dtype.type(1), blocks.dtype.type(0.75), blocks.dtype.type(0.25)
-    near = np.empty(columns + 2, dtype=displacement.dtype)  # and its periodic neighbours
+    near = np.empty(columns + 2, dtype=displacement.dtype)  # a row of blocks between its periodic neighbours
     line = np.empty(2 * columns, dtype=displacement.dtype)
     for i in range(2 * begin, 2 * end):
         k = i // 2
@@ -378,7 +378,7 @@ def interpolated_outside_transposed(pressure: Array, active: Array, blocks: Arra
     """Gather the pressure outside the active set to blocks: the transpose of :func:`interpolated_outside`."""
     rows, columns = blocks.shape
     full, most, least = blocks.dtype.type(1), blocks.dtype.type(0.75), blocks.dtype.type(0.25)
-    line = np.zeros(2 * columns + 2, dtype=pressure.dtype)  # and its periodic neighbours
+    line = np.zeros(2 * columns + 2, dtype=pressure.dtype)  # a row of cells between its periodic neighbours
     for k in range(begin, end):
         first, last = 2 * k, 2 * k + 1
         above, below = (first - 1) % (2 * rows), (last + 1) % (2 * rows)

@@ -165,7 +165,7 @@ class CoatedHalfSpace:
 
     @property
     def parts(self) -> dict[str, tuple[str, HalfSpace, float, float]]:
-        """Words, material, depths from and to [m] of layers and substrate, by the prefix of names of numbers in each."""
+        """Name, material, top and bottom [m] of each layer and the substrate, by the prefix of its quantities."""
         names = {"coating": "the coating"}
         names |= {f"interlayer_{number}": f"interlayers[{number}]" for number in range(len(self.interlayers))}
         parts: dict[str, tuple[str, HalfSpace, float, float]] = {}

@@ -148,7 +148,8 @@ def error_estimate(
         apart = ErrorParts(discretisation=inf, reason="No bound: the bodies do not touch.")
         return _without_pressure(solution, coarse, apart)
     margin = ENDS_MARGIN if problem.source is not None and problem.source.ends_along else 1.0
-    # without the tail of an attraction, which reaches the ends of any grid
+    # without the tail of an attraction, which reaches the ends of any grid: there the sum of pressure and attraction is
+    # negligible, but in tensile cells at an edge it is large
     bending = np.abs(solution.net_pressure) * (acting_force(solution) > 0)
     peak_images, images = image_errors(bending, problem.grid, problem.paddings, margin)
     residual = residual_errors(solution, _attraction_left(solution))
@@ -156,7 +157,7 @@ def error_estimate(
     with caching(cache_of(problem.undeformed_gap.nbytes)):
         cells = discretisation_bound(solution, coarse, heights)
     warnings = cells.warnings or range_warning(solution)
-    # residuals are relative to the pressure, errors to the net pressure
+    # residuals are relative to the pressure, errors to the net pressure, and that of the load to the net load
     of_net, peak_of_net = over_net(solution)
     no_bound = warnings[0] if warnings else ""
     no_peak, no_load = (no_bound if error == inf else "" for error in (cells.peak_pressure, cells.load))
@@ -166,7 +167,9 @@ def error_estimate(
     peak_range = None if area_range is None else peak_range_error(solution, area_range)
     load = None
     if cells.load is not None:
-        load = ErrorParts(images, cells.load, residual.l1, range=load_range_error(solution), reason=no_load)
+        net = abs(float(solution.net_pressure.sum()))
+        left = residual.l1 * float(solution.pressure.sum()) / net if net else inf
+        load = ErrorParts(images, cells.load, left, range=load_range_error(solution), reason=no_load)
     l1 = ErrorParts(images, cells.l1, residual.l1 * of_net, range=l1_range)
     by_solver = residual.peak_pressure * peak_of_net
     estimate = ErrorEstimate(

@@ -262,6 +262,16 @@ def test_the_residual_part_bounds_what_the_attraction_still_changes() -> None:
     assert 1e-6 < peak <= estimate.peak_pressure.residual
 
 
+def test_the_residual_part_of_a_load_near_zero_is_relative_to_that_load() -> None:
+    """Relative to the pressure it is 0.3, for a load of 6 times the true one."""
+    solids = cs.HalfSpace(1e7, 0.4), cs.HalfSpace(inf, 0.3)
+    scene = cs.Scene(cs.Approach(6.4535e-7), solids, (cs.Cylinder(0.01),), adhesion=cs.Adhesion(0.05, range=1e-6))
+    problem = scene.problem(cs.Grid((256, 1), (5e-3, 1e-3)), EXACT)
+    done, early = (cs.solve(problem, tolerance=one) for one in (1e-12, 1e-3))
+    change = abs(done.load_per_length / early.load_per_length - 1)
+    assert 0.5 < change <= error_estimate(early).load.residual < inf
+
+
 def test_the_residual_part_bounds_what_a_uniform_gap_changes_at_a_given_approach(line_contact: LineContact) -> None:
     change, grid = -1e-2, line_contact.grid((96, 1), 1.0, width=8.0)
     one, other = (

@@ -270,7 +270,7 @@ def finer_film_grid(
     inlet, cells = (max(getattr(parts, cause) or 0.0 for parts in bounded) for cause in ("inlet", "discretisation"))
     remaining, longer = error, min(max(1.0, sqrt(2 * inlet / error)), 2.0)
     if given is not None:  # the error of the inlet remains: half of `remaining` is left to cells, or nothing meets it
-        remaining, longer = 2 * (error - inlet) if inlet <= error / 2 else error, 1.0
+        remaining, longer = 2 * (error - inlet) if inlet < error else error, 1.0
         if ny > 1 or cells <= remaining / 2:
             return None
     if inlet + cells <= error or nx >= most_cells:

@@ -163,8 +163,9 @@ def follow_load(
             solution, solves = rolling.solution, rolling.lagged.outer_iterations
         else:
             solution = _next_solution(_problem_under(largest, elastic, load, adhesive_solver), last, options)
-            if speed is not None:  # elastic bodies, which roll without resistance
-                rolling = SteadyRolling(LaggedSolution(solution), {}, partial(solve_rolling, scene, padding=padding))
+            if speed is not None:  # elastic bodies, which roll without resistance: no antisymmetric weights
+                solve_on = partial(solve_rolling, _under(scene, load), padding=padding, options=options)
+                rolling = SteadyRolling(LaggedSolution(solution), {}, solve_on)
         if solution.adhesion is not None:
             solves = solution.adhesion.outer_iterations
         return frame_of(solution, time=time, load=load, solves=solves, rolling=rolling)
@@ -187,7 +188,8 @@ def _under(scene: Scene, load: float) -> Scene:
 def _problem_under(problem: Problem, scene: Scene, load: float, solver: AdhesiveSolver | None) -> Problem:
     """Return the `problem` of a `scene` under a `load` [N/m], with the operator and the adhesive `solver` of all loads.
 
-    The `problem` is that under the largest load.
+    The `problem` is that under the largest load. Its source, which makes the coarser problems of an error estimate, has
+    the same solver, and so the same range of the attraction.
     """
     posed = problem.description
     assert isinstance(posed, PosedScene)

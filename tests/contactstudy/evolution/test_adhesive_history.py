@@ -37,6 +37,11 @@ def test_a_history_pulls_until_contact_is_lost_at_the_pull_off_load() -> None:
     assert (net_work.bound, "lost between two instants" in net_work.reason) == (inf, True)
 
 
+def test_elastic_bodies_that_roll_under_a_history_have_the_bounds_of_coarser_cells() -> None:
+    last = cs.solve(replace(SCENE, rolling=cs.Rolling(1.0)), GRID, EXACT, times=(0.0, 1.0)).frames[-1]
+    assert last.quantities["approach"].bound < inf
+
+
 def test_a_state_follows_from_the_one_before_however_many_lie_between() -> None:
     few, many = (
         cs.solve(SCENE, GRID, EXACT, times=times).frames[-1]

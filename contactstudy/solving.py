@@ -386,7 +386,7 @@ class _Request:
 
             return replace(on(grid), coarser=coarser)
 
-        is_refined = self.grid is None and self.scene.method is methods.TIME_DEPENDENT
+        is_refined = self.grid is None and refines(self.scene)
         answer = solve_on(first)
         return self._refined(answer, solve_on) if is_refined else answer
 
@@ -507,13 +507,13 @@ def grid_for_numbers(answer: Any, *, is_default: bool) -> Grid | None:
     factors = []
     for name, number in answer.judged.items():
         if number.order and 1 < number.ratio < inf and not any(part in name for part in left_out):
-            # a bound of half order falls faster on coarse cells
+            # by its order, 1 or at edges 1/2: beyond MAX_GROWTH by order 1, as there bounds fall faster on coarse cells
             factors.append(max(MARGIN * number.ratio, min(MARGIN * number.finer, MAX_GROWTH)))
     # in cells: iterations grow about as the root of the cells along an axis
     left = most / answer.counts["convolutions"][0]
     for factor in sorted(factors, reverse=True):
         # those that take as long as a call for them count too
-        cells = CELLS_OF_A_CALL + (inf if factor == inf else prod(finer_grid(answer.grid, factor).cells))
+        cells = CELLS_OF_A_CALL + prod(finer_grid(answer.grid, factor).cells)
         if cells <= largest and cells * factor**0.5 <= left:
             return finer_grid(answer.grid, min(factor, MAX_GROWTH))
     return None
@@ -522,9 +522,9 @@ def grid_for_numbers(answer: Any, *, is_default: bool) -> Grid | None:
 def refines(scene: Scene) -> bool:
     """Return whether a scene that is not static is solved again on finer grids until its bound meets the error.
 
-    One with adhesion is not, as a short attraction has its range from the grid.
+    One that rolls with adhesion is not, like one at rest, as a short attraction has its range from the grid.
     """
-    return scene.method in (methods.STEADY_ROLLING, methods.TIME_DEPENDENT) and scene.adhesion is None
+    return scene.method is methods.TIME_DEPENDENT or (scene.method is methods.STEADY_ROLLING and scene.adhesion is None)
 
 
 def next_grid(grid: Grid, parts: Mapping[str, float], requested: float) -> Grid | None:

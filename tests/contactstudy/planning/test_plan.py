@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.domain.errors import ErrorParts
+from contactstudy.planning.film_plan import finer_film_grid
 from contactstudy.planning.plan import plan_grid
 from tests.conftest import LineContact
 from tests.contactstudy.lubrication import scenes as films
@@ -68,6 +70,24 @@ def test_the_error_of_a_film_beyond_its_most_cells_is_not_promised() -> None:
     assert within.warnings == ()
     assert planned.grid.cell_size[0] < within.grid.cell_size[0]
     assert planned.grid.extent[0] > within.grid.extent[0]
+
+
+@pytest.mark.parametrize("inlet", [0.3e-2, 0.9e-2, 1.1e-2])
+def test_a_film_on_its_extent_is_refined_while_finer_cells_meet_its_error(inlet: float) -> None:
+    grid = films.grid(64, 3.0)
+    errors = dict.fromkeys(("central_film", "minimum_film"), ErrorParts(discretisation=1.2e-2 - inlet, inlet=inlet))
+    finer = finer_film_grid(grid, grid, errors, 1e-2, 1000, grid)
+    assert (finer is not None) is (inlet < 1e-2)
+
+
+def test_a_scene_in_time_with_adhesion_is_expected_to_be_refined_as_it_is() -> None:
+    solids = cs.ViscoelasticHalfSpace(1e6, 0.49, ((1e6, 1.0),)), cs.HalfSpace(inf, 0.3)
+    adhesion = cs.Adhesion(0.05, range=4e-6)
+    scene = cs.Scene(cs.LineLoad(2.0), solids, (cs.Cylinder(0.01),), adhesion=adhesion)
+    error, times = {"pressure": 0.02}, (0.0, 1.0)
+    first, planned = plan_grid(scene, error=0.02, times=times), cs.plan(scene, error=error, times=times)
+    solved = cs.solve(scene, error=error, times=times)
+    assert first.grid.cells < planned.grid.cells == solved.grid.cells
 
 
 def test_a_solve_that_the_width_of_its_surface_cuts_off_is_not_refined(line_contact: LineContact) -> None:

@@ -96,8 +96,9 @@ def discretisation_bound(
 ) -> DiscretisationErrors:
     """Return the errors of `solution` due to its cells.
 
-    Without adhesion the error of the area is only what no other grid shows. That of the load is None where the load is
-    given. Parameters are those of :func:`~contactstudy.accuracy.estimate.error_estimate`.
+    Without adhesion the error of the area is only what no other grid shows; an answer adds its changes between grids
+    (``ErrorEstimate.by_grids``). That of the load is None where the load is given. Parameters are those of
+    :func:`~contactstudy.accuracy.estimate.error_estimate`.
     """
     problem = solution.problem
     pressure = solution.pressure[around_contact(solution.pressure)]
@@ -119,6 +120,7 @@ def discretisation_bound(
     # where the grid chooses the range of an attraction, edges follow another law
     shown_peak, shown_l1 = (0.0, (0.0, 0.0)) if solution.regularised else shown_errors(solution)
     by_edges = sum(shown_l1)
+    # the corners of a loaded end have an error of their own, `at_end`, which `by_edges` includes
     follows_law = (
         load_is_fixed
         and not at_hardness
@@ -146,6 +148,7 @@ def discretisation_bound(
     # the load, where it is a result
     load = None
     if load_is_result:
+        # the law of edges is of pressure alone: with adhesion the load has its change from larger cells
         by_law = LOAD_ERROR * max(0.0 if adheres else by_edges, inside.hidden_load)
         load = inf if l1 == inf else max(by_law, changes.load or 0.0)
         if adheres:
@@ -334,7 +337,8 @@ def _at_sharp_end(problem: Problem, pressure: Array) -> bool:
     """Return whether an end of a roller has a `pressure` (x, y) of the order of the peak pressure; not without an end.
 
     There it is infinite in the limit of small cells, though coarse cells may not show a rise; at free faces it is only
-    where it does not clearly fall, since their bodies are soft there.
+    where it does not clearly fall, since their bodies are soft there. Ends within the grid, where the other body goes
+    on, are sharp edges among the hidden heights.
     """
     if problem.source is None or not problem.source.ends_along:
         return False

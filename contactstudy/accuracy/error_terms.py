@@ -192,12 +192,12 @@ def residual_errors(solution: Solution, change: float = 0.0) -> ResidualErrors:
     scale = scales.pressure / scales.gap
     operator = solution.problem.operator.scaled(scale, Precision.DOUBLE)
     compliance = operator.self_compliance
-    # single precision takes half the time
+    # single precision takes half the time, which counts where compiled loops pay; None takes that of the operator
     inverse = operator.approximate_inverse(Precision.SINGLE if pressure.size >= MIN_COMPILED_CELLS else None)
     cells = solution.problem.constraint.active(pressure).astype(inverse.real, copy=False)
     correction, level = (gap / scales.gap).astype(cells.dtype) * cells, 0.0
     # the active set, in which a gap is an error, is empty where all pressures are at a limit; the mean of the correction
-    # is left out, as it changes the load
+    # is left out, as it changes the load. The gap of the set is extended to all cells; the inverse makes pressure of it
     if count := np.count_nonzero(cells):
         extension = inverse.extension(cells)
         correction = extension.pressure(extension(correction))
@@ -217,6 +217,7 @@ def residual_errors(solution: Solution, change: float = 0.0) -> ResidualErrors:
     results = in_blocks(errors_in_block, pressure, gap, cells, correction)
     sums, peaks, gaps = zip(*results, strict=True)
     load = float(pressure.sum())
+    # the residual includes the error of a given load, which is the net load with adhesion, not that of the pressure
     by_load = min(solution.problem.control.error(load), solution.residual)
     l1 = float(sum(sums) / load + by_load)
     # what a gap in metres has lost beside far larger heights, if the residual allows for it
@@ -235,7 +236,10 @@ def residual_errors(solution: Solution, change: float = 0.0) -> ResidualErrors:
 
 
 def _area_error(pressure: Array, l1: float) -> float:
-    """Return the fraction of the contact in the cells of smallest `pressure` that together carry its fraction `l1`."""
+    """Return the relative error of the contact area, of which the cells of smallest `pressure` may be no part.
+
+    They are those that together carry the fraction `l1` of the load.
+    """
     allowed = l1 * float(pressure.sum())
     smallest = np.cumsum(np.sort(pressure[(pressure > 0) & (pressure <= allowed)]))
     count = np.searchsorted(smallest, allowed, side="right")

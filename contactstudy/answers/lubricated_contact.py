@@ -121,8 +121,8 @@ class LubricatedContact(Answer, FilmSolution):
         if self._l1.reason or self._wider is None:
             return found
         below = {k: film.quantities for k, film in self._below.items()}
-        unbounded = frozenset({NO_ESTIMATE})
-        found = with_nested_bounds(found, below, self._l1, unbounded, wider=self._wider.quantities)
+        replaced = frozenset({NO_ESTIMATE})  # numbers with this reason get a bound
+        found = with_nested_bounds(found, below, self._l1, replaced, wider=self._wider.quantities)
         return found | self._by_laws_of_films(found)
 
     def _by_laws_of_films(self, found: Quantities) -> dict[str, Quantity]:
@@ -248,6 +248,7 @@ def l1_of_films(films: Mapping[int, FilmSolution], wider: FilmSolution, known: E
         on_grid = (interpolated(each.pressure, each.grid, grid.x, grid.y) for each in (film, other))
         return float(np.abs(np.subtract(*on_grid)).sum()) / total
 
+    # a change shows the larger error the lower the order: the first, where errors fall with the first or second
     cells, inlet = MARGIN * by_changes(films, order=1.0, distance=distance), INLET * distance(films[2], wider)
     return replace(known, discretisation=cells, inlet=inlet, reason="")
 

@@ -191,7 +191,7 @@ class Gpu:
 
     @property
     def loops(self) -> Any:
-        """Loops over fields, each one launch of a kernel."""
+        """Kernels that :func:`~contactstudy.domain.grid.device_loops` returns; devices without any use their arrays."""
         return import_module("contactstudy.domain.loops.gpu").LOOPS
 
     @property

@@ -45,7 +45,10 @@ class WithWinklerLayer:
 
     @property
     def self_compliance(self) -> float:
-        """Displacement [m/Pa] of the most compliant cell under unit pressure on it, less the mean of the bodies."""
+        """Displacement [m/Pa] of the most compliant cell under unit pressure on it.
+
+        That of the bodies is relative to its mean over the padded grid, which is a rigid motion.
+        """
         return self.convolution.self_compliance + float(self.compliance.max())
 
     @property
@@ -78,7 +81,8 @@ class CoatingCoefficients(WaveCoefficients):
     Parameters
     ----------
     waves, thickness, name
-        Response of the layer, its thickness [m], and the name of the field.
+        Response of the layer, its thickness [m], and the name of the field: "z" is displacement along the normal under
+        pressure, "x" and "y" that under traction along either axis; "xx", "xy" and "yy" are along the surface.
     datum
         Distance [m] as in :class:`~contactstudy.elasticity.convolution.BoussinesqCoefficients`.
     """
@@ -88,21 +92,21 @@ class CoatingCoefficients(WaveCoefficients):
     def strip(self, x: Array, dx: float) -> Array:
         """Return the response (x,) to a strip of width `dx`, infinite along y, at offsets `x` (x,).
 
-        The logarithms and arctangents are the field of a line at two thicknesses, integrated over the strip.
+        The logarithms and arctangents are the closed form, integrated over the strip; the base class has the remainder.
         """
-        depth, total = 2 * self.thickness, super().strip(x, dx)
+        depth, remainder = 2 * self.thickness, super().strip(x, dx)
         if self.name == "x":
             coupling = self.waves.materials.contrasts[2]
             upper, lower = (
                 edge * np.arctan(edge / depth) - depth / 2 * np.log(edge**2 + depth**2)
                 for edge in (x + dx / 2, x - dx / 2)
             )
-            return np.asarray(total + 2 * coupling * (upper - lower))
-        return np.asarray(total - dx * self._contrast * _log_mean(np.abs(x), dx / 2, depth) + self.rigid_shift(dx))
+            return np.asarray(remainder + 2 * coupling * (upper - lower))
+        return np.asarray(remainder - dx * self._contrast * _log_mean(np.abs(x), dx / 2, depth) + self.rigid_shift(dx))
 
     @property
     def _contrast(self) -> float:
-        """Factor of ``-ln(x^2 + 4 h^2)`` in the displacement at a distance x from a line, with the thickness h."""
+        """Factor of ``-ln(x^2 + 4 h^2)`` in the displacement at x from a line, with the thickness h; 0 of odd fields."""
         pressed, along_wave, _, along_crests = self.waves.materials.contrasts
         return {"xx": along_wave, "yy": along_crests, "z": pressed}.get(self.name, 0.0)
 

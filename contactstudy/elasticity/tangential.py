@@ -68,7 +68,7 @@ class CerrutiCoefficients:
         return field - 2 * dx * dy / period if self.name == "xx" else field
 
     def lattice(self, x: Array, y: Array, dx: float, dy: float, width: float, period: float) -> Array:
-        """Return the field of an infinite lattice of images along both axes; x is a column, y a row."""
+        """Return the field of an infinite lattice of images along both axes, of zero mean; x is a column, y a row."""
         cell = dx, dy, width, period
         # the kernels have no "yy", and exchange the axes where the period exceeds the width, which makes "xx" one
         if self.name == "yy" or (self.name == "xx" and period > width):

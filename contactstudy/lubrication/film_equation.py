@@ -373,7 +373,7 @@ class FilmEquation:
         # what moves with the surfaces changes by the slopes of the content
         void: dict[tuple[int, int], Array] = {}
         moved = [(entrained, zip((pressure, thickness, void), slopes, strict=True))]
-        if on_boundary.any():  # faces through which a boundary film flows, whatever the thickness
+        if on_boundary.any():  # faces through which a boundary film flows, which is given with ElrodAdams alone
             faces, least_film = self.speed * on_boundary.astype(float), np.full_like(density, self.boundary_film)
             dragged = {(0, 0): faces, (-1, 0): -np.roll(faces, 1, axis=0)}
             by_boundary = film_fraction * density_slope * least_film, -density * least_film

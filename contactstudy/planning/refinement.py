@@ -357,8 +357,8 @@ class GridRefinement:
         if not 0 < roller < extent[1] * (1 - 1e-9):
             return Grid((nx, ny), extent)
         fraction = roller / extent[1]
-        # up to so many more that the rows beyond the ends become two more, of which some number fits
-        longest = ceil(max(GROWTH_WITHOUT_BOUND * along, along + 2 / (1 - fraction)))
+        # up to twice as many, or to one more row beyond each end: some count between has a cell edge near the ends
+        longest = ceil(max(2 * along, along + 2 / (1 - fraction)))
         ny = min(
             range(ceil(along), min(longest, ceil(MAX_LENGTHENING * along)) + 1),
             key=lambda n: n * (1 + MISFIT_COST * _end_misfit(n, fraction) / self.error),

@@ -229,7 +229,8 @@ def named_by(scene: Any) -> frozenset[str]:
 def changing_field(scene: Any) -> str | None:
     """Return the first field of a scene that changes in time by itself, such as a body that creeps; None without one.
 
-    A body that creeps does not change in time where it rolls, or passes through a film, since it has crept there.
+    A body that creeps does not change in time where it rolls, or passes through a film, since it has crept there. Shapes
+    move with a body under a film alone: a dry scene is solved as they lie, and refused where it rolls.
     """
     film = scene.lubrication
     has_crept = film is not None or scene.rolls

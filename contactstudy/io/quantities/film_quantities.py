@@ -140,7 +140,7 @@ def _of_formulas(contact: "FilmSolution") -> dict[str, Quantity]:
     load, viscosity = scales.load_parameter, scales.viscosity_parameter
     unit = pi / (8 * load) * scales.film  # [m] of the film thickness of Moes
     label = "minimum film thickness by Dowson and Higginson"
-    film = dowson_higginson_film(load, viscosity) * unit if scales.mean_speed else 0.0
+    film = dowson_higginson_film(load, viscosity) * unit  # at no mean speed M is infinite, and L and unit are 0
     quantities = {"dowson_higginson_film": Quantity(film, "m", label, reason=FORMULA)}
     for regime, asymptote in film_asymptotes(load, viscosity).items():
         name = f"{regime.replace(', ', '_')}_film"

@@ -283,6 +283,7 @@ def _with_depth(name: str, label: str, values: Array, samples: _Samples) -> dict
     if position["z"] == depths[highest]:  # no parabola says where between the depths
         near = slice(max(highest - 1, 0), highest + 2)
         rivals += zip(peaks[near].tolist(), depths[near].tolist(), strict=True)
+    # all grids may miss a largest stress between depths; where depths are given it is the largest of those
     floor = 0.0 if given else STRESS_FLOOR
     largest = Quantity(value + rise, "Pa", label, inf, reason, position, rivals=rivals, least_change=floor)
     return {name: largest, f"{name}_depth": depth}

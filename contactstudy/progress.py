@@ -49,8 +49,8 @@ class Reporter:
     report
         Function that gets the progress.
     target
-        Residual at which the method stops, or relative error in L1 that a refinement has to reach: of `iteration`,
-        `grid` and `film_step`.
+        Residual at which the method stops, for `iteration` and `film_step`, or relative error in L1 that a refinement
+        has to reach, for `grid`.
     problem
         Problem whose iterations `iteration` reports; None for other methods.
     """

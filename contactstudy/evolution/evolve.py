@@ -129,8 +129,8 @@ class Errors:
         Largest error by the residual of a contact that stopped before the tolerance, recorded or not, summed alike [Pa].
     after_stiff_step
         Time [s] after the last step longer than a retardation time, and errors of the pressure then: summed over the
-        cells, and the largest of any [Pa]. They decay at least as fast as creep in the longest retardation time; the
-        difference of two integrations may vanish on the way.
+        cells, and the largest of any cell [Pa]. These errors decay at least as fast as creep in the longest retardation
+        time, and count even where the difference of two integrations vanishes on the way.
     """
 
     by_steps: ErrorsBySteps = field(default_factory=ErrorsBySteps)
@@ -412,11 +412,12 @@ def evolve(
     The time-discretisation error follows from the difference of two integrations, one with steps twice as long. Of a
     method of order p the difference is ``2^p - 1`` times the error of the shorter steps, which are recorded: an upper
     estimate for order 2, the error itself for order 1. It is multiplied by 1.5 where bodies yield (first order), else
-    by 2.41 where contacts wear or fret (order 1/2 at the onset of wear), or creep is over within a step; after such a
-    step it falls no faster than creep in the longest retardation time. It is relative to the pressure at the same
-    instant; where bodies yield, to the pressure under the largest load, as is the error of the contact on its grid, and
-    a load jump is applied in increments. In fretting it is the larger one of the pressure and of the tangential
-    traction.
+    by 2.41 where contacts wear or fret (order 1/2 at the onset of wear), or creep is over within a step. After such a
+    step the error falls no faster than creep in the longest retardation time.
+
+    The error is relative to the pressure at the same instant; where bodies yield, to the pressure under the largest
+    load, as is the error by the cells. In fretting it is the larger one of the pressure and of the tangential traction.
+    Where bodies yield, a load jump is applied in increments.
 
     Parameters
     ----------

@@ -2,11 +2,11 @@
 
 The film satisfies the Reynolds equation with the squeeze term, the rate of the lubricant content. The rate is a backward
 difference over two steps (BDF2 with steps of varying length), and each step is solved by the iteration of a steady
-film. It starts from a predictor, the polynomial through the last instants, three at most. The difference between
-predictor and solution estimates the error of the step (Gear 1971, Numerical Initial Value Problems in Ordinary
-Differential Equations), and a second evolution with steps twice as long the error at an instant.
+film. The iteration starts from a predictor, the polynomial through the last instants, three at most. The difference
+between predictor and solution estimates the error of the step (Gear 1971, Numerical Initial Value Problems in Ordinary
+Differential Equations). A second evolution with steps twice as long estimates the error at an instant.
 
-Times with the unit a / u_m are over that in which the largest mean speed u_m passes Hertz's half-width a.
+The unit of time a / u_m is the time in which the largest mean speed u_m passes Hertz's half-width a.
 """
 
 from collections import Counter
@@ -69,8 +69,8 @@ NUMBERS = {
     "friction_coefficient": "friction",
     "rolling_resistance": "rolling_resistance",
 }
-# Allowed error of a step where neither it nor its length is given: a tenth of the default error of the pressure. And
-# where its length is given: none is rejected for its error but those that fail, whose error is infinite.
+# Allowed error of a step where neither it nor its length is given: a tenth of the default error of the pressure. Where
+# the length is given, it is so large that no step is rejected but those that fail, whose error is infinite.
 STEP_ERROR, UNLIMITED = 1e-3, 1e99
 # Work of films in time, with its meaning in words.
 WORK = {
@@ -120,9 +120,9 @@ def film_trajectory(
 ) -> FilmTrajectory:
     """Return the `films` of the `records` of a march, with errors by steps, and the `ranges` of numbers over all steps.
 
-    The error of the pressure is estimated from its L1 differences to films after longer steps: at an instant by the
-    largest until the next that is known, or of all where none is later, as one alone may vanish by chance. It is
-    infinite without any difference, and where a film has not converged.
+    The error of the pressure is estimated from its L1 differences to films after longer steps. As a single difference
+    may vanish by chance, the largest one counts: of those up to the next instant with a known one, or of all where none
+    is later. The error is infinite without any difference, and where a film has not converged.
     """
     known, differences = [], []
     for number, (record, film) in enumerate(zip(records, films, strict=True)):

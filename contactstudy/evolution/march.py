@@ -61,21 +61,21 @@ class TimeSteps:
         Largest relative time-discretisation error, in L1, of the pressure and in fretting of the tangential traction.
         Where a contact wears in steady or tractive rolling or on a film, it is the largest change of the pressure by
         the correction of a step; of other films, the largest error of their thickness in one step. None takes a
-        fraction of the error requested of the solve. Without that, there is one step from each instant to the next, and
-        to each kink of the load or quarter of its period, or two where the next one differs in length; steady wear and
-        films take 1e-3.
+        fraction of the error requested of the solve. Without that, steady wear and films take 1e-3. Other scenes then
+        take one step from each instant, kink of the load or quarter of its period to the next, or two where the next
+        one differs in length.
     scheme
         How sliding wear, ``Wear(speed=...)`` of a dry contact that does not roll, is stepped; other wear has a method of
         its own, and creep is exact for a pressure that is linear in each stage. "implicit" is backward Euler, of first
         order, L-stable, with one solve a step; "two_stage" is of second order, L-stable, with two solves (Alexander
-        1977, SIAM J. Numer. Anal. 14, sect. 3); "explicit", for comparison, is forward Euler, unstable in plane strain
-        for steps [s] beyond 2 lambda / (k v), with the wear rate per pressure k v [m/(Pa s)] and the
+        1977, SIAM J. Numer. Anal. 14, sect. 3). "explicit", for comparison, is forward Euler. In plane strain it is
+        unstable for steps [s] beyond 2 lambda / (k v), with the wear rate per pressure k v [m/(Pa s)] and the
         :func:`~contactstudy.evolution.states.state_variables.least_eigenvalue` lambda. Each keeps the wear volume.
     error_estimator
         How the time-discretisation error is estimated of a dry contact that keeps creep, sliding wear, plastic strain
-        or a tangential traction from one instant to the next: by "step_doubling", a second integration with steps twice
-        as long, at half the cost of the first; or "none", one step from each instant or kink of the load to the next,
-        with an infinite error.
+        or a tangential traction from one instant to the next. "step_doubling" integrates a second time with steps twice
+        as long, at half the cost of the first. "none" takes one step from each instant or kink of the load to the next,
+        and the error is infinite.
     step
         Largest length [s] of a step of a film, in place of an error.
 

@@ -248,8 +248,8 @@ class SurfaceDepth:
 def _differences(record: Record[QuasiStatic[Frame]]) -> dict[str, float]:
     """Return relative differences of a worn contact to that after doubled steps, by quantity; infinite without that.
 
-    That of the area counts cells in contact in one of both alone, and is at least that in L1, since a small change may
-    move no edge to another cell.
+    The difference of the area counts the cells in contact in one of the two alone. It is at least the difference in L1,
+    since a small change may move no edge to another cell.
     """
     if record.coarse is None or not record.state.contact.pressure.any():
         return dict.fromkeys(("l1", "peak_pressure", "contact_area"), inf)

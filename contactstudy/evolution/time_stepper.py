@@ -213,9 +213,9 @@ class Trajectory:
 def error_of_peak(pressure: Array, errors: Array) -> float:
     """Return the error [Pa] of the peak of a `pressure` (x, y) [Pa] whose cells have these `errors` [Pa], at least 0.
 
-    It is as far as the peak moves where each cell has its error: cells at the edge of a contact that wears have large
-    errors, and pressures far below the peak. As the error of a cell may vanish by chance, it is at least the relative
-    mean error times the peak, or the largest error where that is less.
+    It is how far the peak moves when each cell has its error. (At the edge of a contact that wears errors are large,
+    but the pressures are far below the peak.) As the error of a cell may vanish by chance, the error is at least the
+    relative mean error times the peak, or the largest error where that is less.
     """
     peak, total = float(pressure.max()), float(pressure.sum())
     moved = max(float((pressure + errors).max()) - peak, peak - float((pressure - errors).max()))

@@ -135,7 +135,7 @@ def _extremes(
         ):  # at a kink the extreme is at the instant itself
             places = before, index, after
             beyond = _beyond_parabola([instants[place] for place in places], [values[place] for place in places])
-        # of the rival, beyond a lowest value too, only the distance from the value counts
+        # only the distance of the rival from the value counts, so that it may stand above a lowest value too
         quantities[name] = replace(
             quantity, value=values[index], label=label, bound=bound + beyond, reason=reason or quantity.reason,
             position={"time": float(time)}, detail="", rivals=(*quantity.rivals, (values[index] + MARGIN * beyond, 0.0)),
@@ -205,9 +205,9 @@ def _of_wear(
 ) -> dict[str, Quantity]:
     """Return the wear volume, that of the whole circumference of a body that turns, and the largest wear depth.
 
-    Where bodies slide, wear follows from load and pressure: the volume from the load, whose error is neither by images,
-    nor by cells, nor by steps, and the largest depth from the peak pressures. On a film the volume follows from the
-    pressure of asperities, and where slip wears nothing is known but changes between grids.
+    Where bodies slide, the volume follows from the load, whose error has no part by images, cells or steps, and the
+    largest depth follows from the peak pressures. On a film, under a rolling traction and where slip in fretting wears,
+    changes between grids alone tell both errors.
     """
     last = frames[-1]
     worn, grid = fields["wear_depth"].values, posed.grid
@@ -293,9 +293,9 @@ def net_work(frames: "Sequence[Frame]", approach_errors: Sequence[float], load: 
 
     It is the integral of the load over the approach: the hysteresis loss where the history ends at the load and on the
     branch of its beginning, else with the elastic energy stored meanwhile. Where the load does not turn between two
-    instants, load and approach go one way, also where contact jumps in, so that the trapezoid is wrong by half the
-    product of their changes at most. Errors of the approaches [m] count with the changes of the load around them, and at
-    both ends with the load.
+    instants, load and approach go one way, also where contact jumps in. The trapezoid is then wrong by half the product
+    of their changes at most. Errors of the approaches [m] count with the changes of the load around them, and at both
+    ends with the load.
 
     Parameters
     ----------
@@ -354,7 +354,7 @@ def passes_quantities(rolled: "RepeatedRolling") -> dict[str, Quantity]:
     """Return what the last pass of a repeatedly rolling contact leaves behind.
 
     The error of each is of first order in the cells: its bound is `PASS_MARGIN` times the largest change by any pass
-    from cells of twice the size, since that by a single one may be small by chance.
+    from cells of twice the size, since the change by a single pass may be small by chance.
     """
     found, coarse = _by_pass(rolled), _by_pass(rolled.coarse)
     status = next((s for s in (rolled.status, rolled.coarse.status) if s is not Status.CONVERGED), None)

@@ -55,8 +55,8 @@ WITH_FURTHER_GRIDS = 1.25
 LEAST_CELLS = 12
 # Least fraction done from which the seconds of a solve are extrapolated: below it a progress is that of the set-up.
 LEAST_FRACTION = 1e-4
-# Number of cells whose seconds are those of the part of a solve that does not grow with the cells, such as calls: rough
-# and crowned contacts of 48^2 to 768^2 cells take 0.015 s, and 1 s more for each million cells.
+# Number of cells that take as long as the part of a solve that does not grow with the cells, such as calls. Rough and
+# crowned contacts of 48^2 to 768^2 cells take 0.015 s, and 1 s more for each million cells.
 CELLS_OF_CALL = 16_000
 # Least and largest power of the cells with which the seconds are taken to grow, where two levels show one: calls alone
 # make it small, and dense matrices, or more steps on finer cells, large.

@@ -176,8 +176,8 @@ def straight_edges(pressure: Array) -> StraightEdges | None:
     return StraightEdges(places + np.array([[last - middle], [middle - first]]), uncertainty)
 
 
-# Change of a maximum over its second difference with the places of the edges in their cells: 1/16 in closed form
-# between two straight edges that fall alike; a third more for edges that are neither straight nor alike.
+# Change of a maximum, over its second difference, as edges move in their cells. It is 1/16 in closed form between two
+# straight edges that fall alike, and taken a third larger for edges that are neither straight nor alike.
 EDGE_EFFECT = 1 / 12
 # The same where the maximum lies within two cells of an edge, where no parabola holds: four times as much. Cylinders
 # three and four cells across needed 0.05; edges that are not straight may need more.
@@ -188,8 +188,8 @@ EDGE_UNCERTAINTY = 0.5
 # Excess of the counted area per side of its outline, in cells: ``(pi - 1 + ln 2) / 24`` in the mean of all directions
 # of an edge (Yastrebov, Anciaux & Molinari 2017, Tribology Int. 114, 161).
 SIDE_EXCESS = (pi - 1 + log(2)) / 24
-# Uncertainty, in cells, of two straight edges together, beside that of :class:`StraightEdges`: on 150 cylinders of 12
-# to 150 cells across the contact, the error of their places was at most 0.0017 cells larger than that.
+# Uncertainty, in cells, of two straight edges together, in addition to that of :class:`StraightEdges`. At most 0.0017
+# cells were needed on 150 cylinders of 12 to 150 cells across the contact.
 STRAIGHT_UNCERTAINTY = 0.006
 # Fraction of the grid in contact from which openings as narrow as a cell count. Below it, the edges of wider openings
 # leave more of the area open than these.
@@ -250,9 +250,9 @@ def discretisation_errors(pressure: Array, wraps: tuple[bool, bool]) -> tuple[fl
 
     In L1 each end of a row of touching cells adds its :func:`~contactstudy.accuracy.coarser.edge_error`, and each cell
     within adds a 12th of its second difference. For a wave of the wave number q on cells of the size dx, the pressure of
-    a cell is ``1 / sinc(q dx / 2)`` times the true one at its centre, with ``sinc(t) = sin(t) / t``; the true mean in
-    the cell is ``sinc(q dx / 2)`` times the latter. The errors of both axes add up, since an edge that is oblique to the
-    cells has ends along both. Heights between the cell centres are not included.
+    a cell is ``1 / sinc(q dx / 2)`` times the true one at its centre, with ``sinc(t) = sin(t) / t``. The true mean in
+    the cell is ``sinc(q dx / 2)`` times the latter. The errors of both axes add up, since an edge that is oblique to
+    the cells has ends along both. Heights between the cell centres are not included.
 
     Parameters
     ----------
@@ -362,7 +362,7 @@ COARSE_TOLERANCE = 1e-6
 # tolerance before the bodies come apart.
 ADHESIVE_TOLERANCE = 1e-7
 # Relative error of the work of adhesion by which cells trap the edge of a contact, times the cells in the cohesive
-# zone, by the law of the attraction: the load at which an edge passes from cell to cell, up and down, differs by it. By
+# zone, by the law of the attraction. The loads at which an edge passes from cell to cell, up and down, differ by it. By
 # pull-off loads it was at most 0.04 with the exponential law, on 1.3 cells and more; with Dugdale's 0.11, on 3.5 to 14.
 TRAPPED_WORK: dict[type, float] = {Exponential: 0.06, Dugdale: 0.25}
 
@@ -472,8 +472,8 @@ def error_by_change(solution: Solution, coarse: Solution | None) -> Discretisati
     """Return the errors of `solution` by its change from cells of twice the size.
 
     `coarse` is the solution on those; None solves for it. The errors are infinite where that fails, or where the bodies
-    do not touch on those cells. Under a given load the change itself counts; with adhesion or at a given approach
-    errors fall less steeply, so that `MARGIN` times the change does, and of the area at least the cells at its edge.
+    do not touch on those cells. Under a given load the change itself counts. With adhesion or at a given approach
+    errors fall less steeply, so that `MARGIN` times the change counts, and of the area at least the cells at its edge.
     """
     start = solution.pressure, solution.attraction
     coarse = comparable(coarse or coarse_solution(solution.problem, *start))

@@ -1,7 +1,7 @@
 """Heights inside the cells, which a pressure on the grid does not resolve, and their effect on the contact.
 
-1. The gap is sampled at points inside the cells, on lines through their centres along each axis, and where a shape
-   names no length scales (how short its waves are) also at points between the lines.
+1. The gap is sampled at points inside the cells, on lines through their centres along each axis. Where a shape names no
+   length scales (how short its waves are), it is also sampled between the lines.
 2. What a cubic through the centres misses is hidden. It counts as the pressure that would flatten it. A corner raises
    the pressure at each halving of the cells.
 
@@ -31,8 +31,8 @@ BEYOND = np.array([[10.0, -20.0, 15.0, -4.0], [4.0, -6.0, 4.0, -1.0]])
 # Points in a cell along a line, where all shapes name their length scales: four show 81 % and more of the largest error
 # of the cubics in waves of two cells and longer.
 POINTS_PER_CELL = 4
-# Points in a cell along a line that may have a corner, where all shapes name their length scales: the bend of a smooth
-# surface between two points is then a quarter of that at `POINTS_PER_CELL`, and that of a corner the same.
+# Points in a cell along a line that may have a corner, where all shapes name their length scales. With these, the bend
+# of a smooth surface between two points is a quarter of that at `POINTS_PER_CELL`, and that of a corner the same.
 POINTS_AT_CORNERS = 16
 # Points in a cell along a line, where a shape names no length scales: features of 2 % of a cell are found.
 POINTS_WITHOUT_SCALES = 48
@@ -90,7 +90,7 @@ class HiddenHeights:
     """Heights inside the cells of a grid, which are the same at any instant, as pressures (x, y) [Pa].
 
     A corner that points out of the body, at which the slope changes by S, raises the pressure by ``E* S / (2 pi) ln 2``
-    each time the cell is halved, and so without limit: the pressure near the apex of a blunt wedge is logarithmic
+    each time the cell is halved, and so without limit. The pressure near the apex of a blunt wedge is logarithmic
     (Johnson 1985, sect. 5.2).
 
     Attributes

@@ -62,15 +62,15 @@ from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.solvers.solution import Solution, Status, unloaded, worst_until
 from contactstudy.solvers.solve import SolveOptions
 
-# Error over the difference of two integrations, where the steps of one are twice as long: 0.56 to 1.41 in 27 cylinders
-# pressed to 2, 3 and 5 times yield with three hardenings in 2, 4 and 8 steps (first order, for which it is 1).
+# Error over the difference of two integrations, where the steps of one are twice as long. By first order it is 1; it
+# was 0.56 to 1.41 in 27 cylinders pressed to 2, 3 and 5 times yield with three hardenings in 2, 4 and 8 steps.
 FIRST_ORDER_FACTOR = 1.5
 # The same where wear begins: errors are of order 1/2, since the pressure changes at once, so that halving the steps
 # leaves 2^-1/2 of them. Where creep is over within a step it was up to 2.34.
 HALF_ORDER_FACTOR = 1 / (2**0.5 - 1)
 # Largest factor by which the error of a traction falls in a doubled step: at most 3.4 in fretting of creeping bodies.
 LARGEST_FALL = 4.0
-# Error in the middle of a doubled step over that at its end, where creep is over within a step: such errors are
+# Error in the middle of a doubled step over that at its end, where creep is over within a step. Such errors are
 # inversely proportional to the length of a step, and the middle comes after half of it.
 INSIDE_STIFF_STEP = 2.0
 # Load increments of a jump in doubled steps at first, where bodies yield. A sudden load of three times yield has an
@@ -79,8 +79,8 @@ INCREMENTS = 4
 # Largest number of halvings of a step in which bodies start to yield. Without them the error of a cylinder at three
 # times yield was 2.1 % and its estimate 0.3 %; with 3 the estimate is above the error, and from 6 on both stay.
 MAX_HALVINGS = 6
-# In the first march, a pair of steps may add this fraction of the allowed error to the difference of two integrations:
-# not all of it, as the errors of several pairs add up, and a march with too large an error starts again.
+# In the first march, a pair of steps may add this fraction of the allowed error to the difference of two integrations.
+# It is not all of it, as errors of several pairs add up, and a march with too large an error starts again.
 INITIAL_TOLERANCE_FRACTION = 0.5
 # Duration of the first pair of steps over that of all. It decides nothing but work: a pair that is too long is rejected.
 INITIAL_STEP = 1e-2
@@ -90,10 +90,10 @@ MIN_ERROR_OVER_TOLERANCE = 100
 FRAME_FILE, STATE_FILE = "frame_{:05d}.npz", "state.npz"
 NO_ESTIMATE_OF_STEPS = "No bound: the time-discretisation error was not estimated."
 CUT_OFF_STRAIN = "No bound: the plastic strain is cut off at the edge of the grid, give Grid.extent a larger one."
-# Error by the cells at the end of an integration over that of the last contact alone: with each state variable, which
-# depends on earlier pressures, and with plastic strain, whose cells below the surface add to it. Bounds by the cells
-# held in 238 of 238 frames with creep, wear or both, and were 3 to 4 times too large in the median; with plastic strain
-# the ratios were up to 3.6.
+# Error by the cells at the end of an integration over that of the last contact alone: by each state variable, which
+# depends on earlier pressures, and by plastic strain, whose cells below the surface add to it. With the former all
+# bounds held in 238 frames with creep, wear or both, 3 to 4 times too large in the median; with plastic strain the
+# ratio was up to 3.6.
 GROWTH_PER_STATE_VARIABLE, GROWTH_PLASTIC = 1.2, 4.0
 
 

@@ -169,10 +169,10 @@ def kinks(history: Any, end: float) -> list[float]:
 # Hairer, Norsett & Wanner advise after eq. 4.13.
 MIN_FACTOR, MAX_FACTOR, SAFETY = 0.2, 2.0, 0.9
 # Largest factor on the length of a pair after one that was rejected, and on the allowed error of all steps in a march
-# that starts again: both below 1 by so much that a few trials find a length, however wrong the estimate of it is.
+# that starts again. Both are so far below 1 that a few trials find a length, however wrong its estimate.
 MAX_REJECTED_FACTOR, MAX_RESTART_FACTOR = 0.5, 0.7
-# Fraction of the whole time below which a pair is not rejected for too large an error, as times are rounded to 1e-16;
-# and for a step without a solution, where 20 halvings did not find one.
+# Fraction of the whole time below which a pair is not rejected for too large an error, as times are rounded to 1e-16.
+# The same for a step without a solution, where 20 halvings did not find one.
 SHORTEST, SHORTEST_WITHOUT_SOLUTION = 1e-12, 1e-6
 # Least steps in a period of a load that repeats: at whole and at half periods a sine has the same load.
 MIN_STEPS_PER_PERIOD = 4

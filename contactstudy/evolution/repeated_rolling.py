@@ -137,9 +137,9 @@ class RollingPass:
     solution
         The contact at the end of the pass.
     status
-        The worst status of its steps; PASS_NOT_STEADY where what it leaves behind did not become steady, as in a given
-        distance of little more than a width of the grid or less, and YIELD_AT_EDGE where yield reaches the left or
-        right edge of the moving grid.
+        The worst status of its steps. It is PASS_NOT_STEADY where what the pass leaves behind did not become steady, as
+        in a given distance of little more than the width of the grid or less. It is YIELD_AT_EDGE where yield reaches
+        the left or right edge of the moving grid.
     steps
         Number of steps; in the first pass with the one that applies the load.
     iterations

@@ -361,8 +361,8 @@ class TimeStepper:
     def _stage(self, instant: Instant, step: Step) -> Instant:
         """Solve the contact at the end of one stage, and advance every state variable.
 
-        Where slip wears, contact and slip are iterated to a fixed point: the state of fretting before the stage holds
-        the slip of the last iterate, from which the contact takes its wear; it stays the same object once converged.
+        Where slip wears, contact and slip are iterated to a fixed point. The state of fretting before the stage holds
+        the slip of the last iterate, from which the contact takes its wear. It stays the same object once converged.
         """
         coupled: tuple[State, ...] = ()
         solutions: list[Solution] = []

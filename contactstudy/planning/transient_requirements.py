@@ -49,8 +49,8 @@ ROLLING_FIELDS = 32
 # Widening of a contact that wears under partial slip, over the square of ``Q / (mu P)``. By the closed form in
 # `_fretting` it is 0.6 to 0.8 for ratios up to 0.97.
 SCAR_WIDENING = 0.8
-# Loads below this fraction of the largest are not planned for: the cell size goes with the square root of the load, so
-# that the grid would have ten times the cells of the largest load and more.
+# Loads below this fraction of the largest are not planned for: their grid would have more than ten times the cells, as
+# the size of cells goes with the square root of the load.
 MIN_LOAD_FRACTION = 0.1
 
 
@@ -226,7 +226,8 @@ def worn_semi_axis(semi_axis: float, curvature: float, other: float, volume: flo
     """Return a semi-axis [m] of the contact of bodies curved both ways, after they have lost a `volume` [m3] to wear.
 
     A cap of a paraboloid with the semi-axes a and b and the `curvature` [1/m] along a has the volume
-    ``pi a^3 b curvature / 4``, and b is a times the root of ``curvature / other``, with the `other` curvature [1/m].
+    ``pi a^3 b curvature / 4``. The semi-axis b is a times the root of ``curvature / other``, with the `other` curvature
+    [1/m].
     """
     return float((semi_axis**4 + 4 * volume / (pi * curvature * sqrt(curvature / other))) ** 0.25)
 
@@ -237,8 +238,8 @@ def _fretting(friction: Fretting, load: AnyLoad, hertz: HertzLine) -> tuple[floa
     Under a force Q a middle of the half-width c, ``c^2 = a^2 (1 - Q / (mu P))``, then bears all of the load. The gap
     beside it, of the slope ``(x^2 - (a^2 + c^2) / 2) / (R (x^2 - c^2)^(1/2))``, is zero again at ``x = c cosh t`` with
     ``sinh 2t / 2t = a^2 / c^2``, up to 1.74 half-widths of Hertz at ``Q / (mu P) = 0.97``. Under a displacement d from
-    a datum D ``Q / (mu P)`` is at most ``pi E* d / (2 ln(2 D / a) mu P)``, and from that on the contact may slide
-    fully, over each half cycle that a step stands for.
+    a datum D ``Q / (mu P)`` is at most ``pi E* d / (2 ln(2 D / a) mu P)``. Where that is 1 or more, the contact may
+    slide fully, over each half cycle that a step stands for.
     """
     history = friction.history
     assert history is not None
@@ -274,11 +275,11 @@ def _smallest_load(scene: Scene, end: float) -> tuple[float, tuple[str, ...]]:
     )
 
 
-# Tabor parameter taken as the JKR limit where no range is given: of a contact that does not vary along its length, where
-# the pull-off load is then within 1 %, and of one that does, within 4 %. The cost grows with its square.
+# Tabor parameter taken as the JKR limit where no range is given. Of a contact that does not vary along its length the
+# pull-off load is then within 1 %, and of one that does, within 4 %. The cost grows with the square of it.
 TABOR_SMOOTH, TABOR_VARYING = 4.0, 2.0
 # Distance from the edge at which the attraction of a cylinder has fallen to 1e-6, over the square root of twice the
-# product of its radius and the range: the root of -ln 1e-6, for a gap that grows with the square of the distance.
+# product of its radius and the range. It is the root of -ln 1e-6, for a gap that grows with the square of the distance.
 DECAY_DISTANCE = 3.7
 
 

@@ -3,9 +3,9 @@
 A class has the state before the first load (``start``), what it contributes to the problem of the contact at the end of
 a step (``contribution``), the state there (``update``), and the fields of a state that a user is shown (``fields``). A
 step is taken in this order: the contribution follows from the state and the pressure (x, y) [Pa] at the start of the
-step, less the attraction; the contact is solved with it; the update follows from both pressures. States are never
-changed in place: a step may be tried and rejected. Plastic strain, which is solved together with the pressure, is in the
-module `plastic`.
+step, less the attraction. The contact is solved with it, and the update follows from both pressures. States are never
+changed in place: a step may be tried and rejected. Plastic strain, which is solved together with the pressure, is in
+the module `plastic`.
 """
 
 from collections.abc import Mapping
@@ -27,7 +27,7 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # The arrays that a state variable keeps, by name, as its method `start` lists them: all that a checkpoint needs of it.
 State = Mapping[str, Array]
-# Factor on the tolerance of a contact that is solved again and again together with plastic strain: the residual of that
+# Factor on the tolerance of a contact that is solved again and again together with plastic strain. The residual of the
 # strain holds the error of the contact, which is to be a small part of it. Half or twice of the factor changed the
 # convolutions of three contacts by at most 5 %; with 1, one of them did not converge.
 COUPLED_TOLERANCE_FACTOR = 0.01
@@ -287,11 +287,11 @@ def with_added_gap(problem: Problem, added_gap: Array) -> Problem:
     return replace(problem, undeformed_gap=problem.undeformed_gap + added_gap)
 
 
-# Error of the tangential traction over the difference of two integrations where slip wears or bodies creep: at most 2.4
-# in twelve contacts that wear, and 1.5 in three that creep, whose errors are of first order in the step or of less.
+# Error of the tangential traction over the difference of two integrations where slip wears or bodies creep, of first
+# order in the step or of less. It was at most 2.4 in twelve contacts that wear, and 1.5 in three that creep.
 ERROR_OVER_DIFFERENCE = 4.0
 # Error of the traction locked in by cells that enter contact, relative to it, over the relative deviation of the
-# locked-in traction from `slope` times the pressure increment in neighbouring cells: at most 2.4 in 30 contacts,
+# locked-in traction from `slope` times the pressure increment in neighbouring cells. It was at most 2.4 in 30 contacts,
 # smooth, rough and finite, in 1 to 16 steps.
 ERROR_OVER_DEVIATION = 3.0
 # Limit of the traction of cells that stick, over the largest traction that a step locks in where it is proportional to
@@ -500,7 +500,7 @@ class FrettingState:
         """Return the traction (2, x, y) [Pa] that slip is counted from, with what is locked in, and its error (x, y).
 
         Unless tangential and normal compliances are proportional, the locked-in traction is not proportional to the
-        increment of the pressure: cells in contact throughout the step have one rigid-body displacement, cells that
+        increment of the pressure. Cells in contact throughout the step have one rigid-body displacement; cells that
         enter contact take `slope` times their pressure. The error of the latter is estimated from the deviation in
         neighbouring cells, and spread over all cells as the increment of the pressure.
         """

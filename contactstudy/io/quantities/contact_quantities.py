@@ -1,6 +1,6 @@
 """Quantities of a dry contact: those of friction, those of adhesion, and `contact_quantities`, which joins them.
 
-A quantity is a number of an answer with its unit, its label and the bound of its error; one without a bound says why,
+A quantity is a number of an answer with its unit, its label and the bound of its error. One without a bound says why,
 and is bounded later by its changes between grids where it can be. A solution has parts beside its pressure: a
 tangential traction and an attraction. The net pressure is the pressure less the attraction. Totals are those of a
 roller where the scene has one, and else per length.
@@ -181,7 +181,7 @@ def _at_stick_slip_boundary(solution: Solution, traction: TangentialTraction) ->
     """Return the touching cells (x, y) at the stick-slip boundary, the uncertainty of which is one row of cells.
 
     They stick beside one that slips, or slip beside one that sticks. Where all of a rolling contact slips, a zone of
-    stick may hide in the cells at its leading edge, and those at either edge across are returned; where no cell slips
+    stick may hide in the cells at its leading edge, and those at either edge across are returned. Where no cell slips
     under a traction, a zone of slip may hide in those at any edge.
     """
     touching, stick = solution.pressure > 0, np.asarray(traction.stick, bool)

@@ -1,8 +1,8 @@
 """Quantities of a contact in time, and of one under repeated rolling, with their bounds.
 
-Of a contact in time they are extremes over time, values at the end, and what is left behind: wear, slip, dents, residual
-stress (:func:`evolution_quantities`); of a history with adhesion also loads at which contact is lost and made, and the
-net work (:func:`history_quantities`). Of repeated rolling they are what the last pass leaves
+Of a contact in time they are extremes over time, values at the end, and what is left behind: wear, slip, dents,
+residual stress (:func:`evolution_quantities`). Of a history with adhesion they are also loads at which contact is lost
+and made, and the net work (:func:`history_quantities`). Of repeated rolling they are what the last pass leaves
 (:func:`passes_quantities`).
 """
 
@@ -34,9 +34,9 @@ NO_BOUND_OF_CELLS = "No bound: the errors of this load by cells and range are no
 NO_BOUND_OF_DEPTH = "No bound: the error of the peak pressure, which wears the largest depth, has none."
 BEFORE_RECORDED = "No bound: the load is applied at 0 s, before the first recorded instant: record that one too."
 NO_BOUND_OF_PASS = "No bound: on cells of twice the size nothing yields in the last pass."
-# Bound of what a pass leaves behind over its change from cells of twice the size, and least cells in a half-width: the
-# error was at most 1.9 of that change with elastic pressures of 4.3 and 4.6 k on 5 to 20 cells, k being the yield stress
-# in shear.
+# Bound of what a pass leaves behind over its change from cells of twice the size, and least cells in a half-width. The
+# error was at most 1.9 times that change under elastic pressures of 4.3 and 4.6 k on 5 to 20 cells (k: yield stress in
+# shear).
 PASS_MARGIN, CELLS_OF_PASS = 2.0, 5
 NO_BOUND_OF_FEW_CELLS = f"No bound: a half-width has fewer than {CELLS_OF_PASS} cells, give more."
 

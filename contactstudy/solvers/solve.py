@@ -255,7 +255,7 @@ def fixed_point(
     A state is what a map finds at an iterate: an object with the attributes ``iterate`` and ``image``, arrays of one
     shape. The next iterate is the combination of the last ones whose step, ``image - iterate``, is smallest, moved by
     that step. After a first state, and in place of an iterate that is rejected, it is the plain image of the last
-    state, and the mixing begins anew.
+    state, and the mixing begins anew: after one plain image at first, after twice as many with each rejected iterate.
 
     Parameters
     ----------
@@ -268,19 +268,24 @@ def fixed_point(
     accepts
         Function of the last accepted state and of the state at a mixed iterate: whether the iterate is accepted.
     """
-    iterate, last = first, None
+    iterate, last, is_mixed = first, None, False
+    plain = plain_left = 1
     iterates: list[Array] = []
     steps: list[Array] = []
     while True:
         state = state_at(iterate, last)
-        if last is not None and len(steps) > 1 and not accepts(last, state):
-            iterate, iterates, steps = last.image, [], []
+        if last is not None and is_mixed and not accepts(last, state):
+            iterate, iterates, steps, is_mixed = last.image, [], [], False
+            plain *= 2
+            plain_left = plain
             continue
         yield state
         last = state
         iterates = [*iterates, state.iterate][-depth - 1 :]
         steps = [*steps, state.image - state.iterate][-depth - 1 :]
-        iterate = _mixed(iterates, steps) if len(steps) > 1 else state.image
+        plain_left -= 1
+        is_mixed = plain_left < 0 and len(steps) > 1
+        iterate = _mixed(iterates, steps) if is_mixed else state.image
 
 
 def _mixed(iterates: Sequence[Array], steps: Sequence[Array]) -> Array:

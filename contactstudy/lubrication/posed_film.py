@@ -14,12 +14,7 @@ import numpy as np
 
 from contactstudy.domain.grid import Array, Grid, Padding, Paddings, across_and_along
 from contactstudy.domain.validation import InvalidInput, NotDefined, readable
-from contactstudy.elasticity.convolution import (
-    Coefficients,
-    GeneralConvolution,
-    by_symmetry,
-    general_convolutions,
-)
+from contactstudy.elasticity.convolution import Coefficients, GeneralConvolution, by_symmetry, general_convolutions
 from contactstudy.lubrication.film_equation import Deflection, Film, FilmEquation, FilmScales, Mask
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.pseudo_time import FilmIteration

@@ -18,14 +18,7 @@ from contactstudy.domain.grid import Array, ExactPeriodicity, Grid, Padding, Pad
 from contactstudy.lubrication.film_equation import INLET_CELLS, OUTLET_CELLS, FilmEquation
 from contactstudy.lubrication.film_friction import ShearedFilm, film_friction
 from contactstudy.lubrication.lubricated_contact import FilmSolution, rise_beside_lowest
-from contactstudy.lubrication.posed_film import (
-    OUTLET,
-    PosedFilm,
-    hertz_start,
-    pose,
-    prolongated,
-    start_from,
-)
+from contactstudy.lubrication.posed_film import OUTLET, PosedFilm, hertz_start, pose, prolongated, start_from
 from contactstudy.lubrication.pseudo_time import FilmControls, FilmIteration, iterate
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Status

@@ -16,22 +16,8 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from contactstudy.domain.device import Cpu, Precision, arrays, device
-from contactstudy.domain.grid import (
-    MIN_COMPILED_CELLS,
-    Array,
-    compiled_loops,
-    device_loops,
-    dot,
-    max_abs,
-    total,
-)
-from contactstudy.problem.constraint import (
-    Constraint,
-    Control,
-    Gap,
-    largest_of,
-    shift_to_load,
-)
+from contactstudy.domain.grid import MIN_COMPILED_CELLS, Array, compiled_loops, device_loops, dot, max_abs, total
+from contactstudy.problem.constraint import Constraint, Control, Gap, largest_of, shift_to_load
 
 # Heights beyond this need double precision: squares and sums of them overflow in single precision.
 SINGLE_LIMIT = 1e15

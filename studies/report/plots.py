@@ -17,18 +17,7 @@ from matplotlib.ticker import NullLocator
 
 from contactstudy.domain.grid import Array
 from contactstudy.domain.validation import display_unit_of
-from contactstudy.io.pictures import (
-    BLUE,
-    COLORS,
-    GREEN,
-    LAW_STYLE,
-    ORANGE,
-    PURPLE,
-    RED,
-    SETTINGS,
-    add_legend,
-    panels,
-)
+from contactstudy.io.pictures import BLUE, COLORS, GREEN, LAW_STYLE, ORANGE, PURPLE, RED, SETTINGS, add_legend, panels
 from studies.advice.verdict import pareto_front
 from studies.model.drawing import CaptionedFigure
 from studies.model.outcome import CaseStatus

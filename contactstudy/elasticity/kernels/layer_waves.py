@@ -21,12 +21,7 @@ from scipy.special import erfc, gamma, j0, j1, jv, k0, k1, rgamma
 
 from contactstudy.domain.grid import Array
 from contactstudy.elasticity.kernels.displacement import mean_gauss_rule
-from contactstudy.elasticity.kernels.layer_response import (
-    RealOrComplex,
-    WaveResponse,
-    circle,
-    taylor_coefficients,
-)
+from contactstudy.elasticity.kernels.layer_response import RealOrComplex, WaveResponse, circle, taylor_coefficients
 
 # Any kind of value, the same for both sides of a cell.
 T = TypeVar("T")

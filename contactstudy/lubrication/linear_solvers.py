@@ -273,7 +273,7 @@ class StepSystem:
             by_deflection[first:end] += by_film * influence[first + offset[0] : end + offset[0]]
             matrix[first:end, -1] += by_film[:, 0]
         matrix[:n, n:-1] = by_deflection[:, touching]
-        by_deflection *= free
+        by_deflection[:, ~free] = 0
         matrix[n:-1, :n], matrix[n:-1, n:-1] = influence[touching] * free, influence[np.ix_(touching, touching)]
         matrix[n:-1, -1], matrix[-1, :n], matrix[-1, n:-1] = 1, load * free, load
         fixed = np.flatnonzero(linear.equation.fixed)

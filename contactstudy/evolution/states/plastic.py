@@ -147,7 +147,7 @@ class PlasticState:
     """State variable of plastic strain and equivalent plastic strain of each yielding body.
 
     They are kept in volumes of cells that grow as bodies yield, and depend on the path of the load, not on how fast the
-    load follows it. A :data:`State` has, for the body with the index i in ``Scene.solids``, ``plastic<i>``: the C
+    load follows it. A state has, for the body with the index i in ``Scene.solids``, ``plastic<i>``: the C
     components of plastic strain in the basis of its operator, then the equivalent one, (C + 1, layers, x, y);
     ``first<i>``, the first cell across of its volume; and ``edges<i>`` [m], the depths between its layers. ``flow`` (1,)
     [m^3] is the increase of the equivalent plastic strain since the last step without plastic flow, integrated over the

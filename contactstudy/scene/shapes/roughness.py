@@ -106,7 +106,7 @@ class Texture:
 
     @property
     def area_density(self) -> float:
-        """Textured fraction of the surface: ``pi d^2 / 4`` over the cell of the lattice, or a width over its pitch."""
+        """Textured fraction of the surface, ``pi d^2 / 4`` over the cell of the lattice, or a width over its pitch."""
         across, along = (self.feature_size / pitch for pitch in self.pitch)
         return pi / 4 * across * along if isinstance(self.feature, Dimple) else max(across, along)
 

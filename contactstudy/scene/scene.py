@@ -276,7 +276,7 @@ class Scene(InNotebook):
 
     @property
     def reference_load(self) -> float:
-        """Load [N/m] for the scales, which is the largest, or that of a smooth line at an approach; of adhesion if more."""
+        """Load [N/m] for the scales, the largest, or that of a smooth line at an approach; of adhesion if more."""
         largest = self.largest_load
         if isinstance(self.load, loads.Approach) and self.radius is not None:
             width = self.load.estimated_half_width(self.radius)

@@ -148,8 +148,8 @@ def error_estimate(
         apart = ErrorParts(discretisation=inf, reason="No bound: the bodies do not touch.")
         return _without_pressure(solution, coarse, apart)
     margin = ENDS_MARGIN if problem.source is not None and problem.source.ends_along else 1.0
-    # without the tail of an attraction, which reaches the ends of any grid: there the sum of pressure and attraction is
-    # negligible, but in tensile cells at an edge it is large
+    # without the tail of an attraction, which reaches the ends of any grid: there the acting force, the sum of pressure
+    # and attraction, is cut to 0 as a small fraction of its maximum, but in tensile cells at an edge it is large
     bending = np.abs(solution.net_pressure) * (acting_force(solution) > 0)
     peak_images, images = image_errors(bending, problem.grid, problem.paddings, margin)
     residual = residual_errors(solution, _attraction_left(solution))

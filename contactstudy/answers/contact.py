@@ -123,6 +123,7 @@ class Contact(Answer, Solution):
         if "von_mises" not in self.derived:
             return replace(estimate, warnings=warnings)
         stress, depths = (self.derived[name].values for name in ("von_mises", "z"))
+        # a contact beyond the hardness or first yield of a body is warned of already
         scene = None if beyond_strength(self) else self.scene
         yields = "" if scene is None else stress_margin(scene, self.derived).sentence
         return replace(
@@ -176,7 +177,7 @@ class Contact(Answer, Solution):
     def quantities(self) -> Quantities:
         """Numbers of the contact by name, with unit and bound."""
         found, error = contact_quantities(self, self.error, self.derived, self.rolling), self.error
-        of_stress = dict.fromkeys(found, error.stress)
+        of_stress = dict.fromkeys(found, error.stress)  # counts for names of stresses alone
         for number in range(1, len(self.problem.outputs) if found else 0):
             if suffix := self._suffix(number):
                 alone = self._with_output_alone(number)
@@ -247,7 +248,10 @@ class Contact(Answer, Solution):
 
     @property
     def counts(self) -> Counts:
-        """Iterations, FFT convolutions and residual of the solver, and outer iterations where it took some."""
+        """Iterations, FFT convolutions and residual of the solver, and outer iterations where it took some.
+
+        The lagged part of a rolling contact is the displacement that follows from the pressure of the iteration before.
+        """
         counts = {
             "iterations": (self.iterations, "solver iterations"),
             "convolutions": (self.convolutions, "FFT convolutions of the full grid"),

@@ -161,7 +161,7 @@ class RetardedCoefficients:
         return replace(self, inner=self.inner.swap_axes(), axis=1 - self.axis)
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
-        """Return the response to one cell at every x with every y, of which one is (n,) or (1, n), the other (m, 1)."""
+        """Return the response (m, n) to one cell at every x with every y, of which one is (n,), the other (m, 1)."""
         if self.axis == 1:
             return self.swap_axes().cell(y, x, dy, dx)
         part = self._part(lambda s: self.inner.cell(s[:, None], np.ravel(y), dx, dy), x, dx)

@@ -134,7 +134,7 @@ def solve_rolling(
     Parameters
     ----------
     scene
-        The scene, with a ``rolling_speed`` and a constant load.
+        The scene, with a ``rolling_speed`` and a constant load. Elastic bodies in tractive rolling have none.
     grid, padding
         Cells and boundary conditions, as for :func:`~contactstudy.solve`.
     options
@@ -187,7 +187,7 @@ def solve_rolling(
         progress=progress,
     )
     if friction_solver is not None and not is_coupled:
-        last = lagged.solution
+        last = lagged.solution  # its problem has the lagged displacement in the undeformed gap
         with_shear = replace(last.problem, friction=friction_solver)
         sheared = solve_contact(with_shear, options, last.pressure)
         assert sheared.traction is not None

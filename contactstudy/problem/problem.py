@@ -364,7 +364,7 @@ class Problem:
         Solver that adds an attraction to a solution.
     covered_fractions
         Weights (y,) of the cells along y: the length of both bodies that each represents, over that of a cell; None
-        where the bodies are as long as the grid.
+        where the bodies are as long as the grid. They weigh the load per length and means, and are not in the solve.
     """
 
     grid: Grid

@@ -247,7 +247,7 @@ class PlasticState:
         at_edge = any(_meets_edge(volume, plastic[-1] > 0) for volume, plastic in zip(volumes, plastics, strict=True))
         if solution.status is Status.CONVERGED and at_edge:
             solution = replace(solution, status=Status.YIELD_AT_EDGE)
-        return CoupledSolution(solution, after, step.energy)
+        return CoupledSolution(solution, after, step.energy)  # residual stress, loss, hardening; adhesion lowers it
 
     def _nearly_yields(self, solution: Solution, attraction: Array | None) -> list[NDArray[np.bool_]]:
         """Return by body in which cells (layers, x, y) the stress of a contact exceeds `NEAR_YIELD` of the yield stress.

@@ -256,7 +256,7 @@ def solved_or_unloaded(options: SolveOptions, problem: Problem, start: Array | N
     start
         Pressure (x, y) [Pa] to begin with; None or zero begins on coarser grids.
     """
-    if problem.adhesion is None and problem.control.uniform(1) == 0:
+    if problem.adhesion is None and problem.control.uniform(cells=1) == 0:  # a load of 0
         return unloaded(problem)
     begin = start if start is not None and start.any() else None
     return solve_contact(problem, options, begin)

@@ -94,6 +94,7 @@ def rolling_traction_quantities(
     total = float(traction.power.sum() * grid.cell_area)
     power = per_length(total, "W", "frictional power", length, grid.length)
     error = traction.errors.power if length is not None else traction.errors.power / grid.length
+    # a cell outside has power by the mean of its traction and that of a neighbour: an error by the cells
     bound = traction.power_outside_contact * abs(power.value) + error
     creepage = Quantity(traction.creepage.longitudinal, "1", "longitudinal creepage")
     return _of_force(solution, traction, estimate, forces) | {
@@ -431,10 +432,10 @@ def _half_size(
 ) -> Quantity:
     """Return half the distance between the outermost edges in contact along an axis: half-width or half-length.
 
-    Straight smooth `edges` lie inside their cells. Elsewhere the outer faces of the outermost cells count, and may each
-    be half a cell off, or lie where the surface protrudes beyond them. With adhesion, where `area_error` is known, the
-    bound is a cell, or the relative error of the area if that is more. The `fallback_reasons` are those of
-    :func:`~contactstudy.io.quantities.quantity.with_bound`.
+    Straight smooth `edges` lie inside their cells; their places count in cells outward from the middle of the grid.
+    Elsewhere the outer faces of the outermost cells count, and may each be half a cell off, or lie where the surface
+    protrudes beyond them. With adhesion, where `area_error` is known, the bound is a cell, or the relative error of the
+    area if that is more. The `fallback_reasons` are those of :func:`~contactstudy.io.quantities.quantity.with_bound`.
     """
     cell = solution.problem.grid.cell_size[axis]
     size = counted = _half_extent(solution.pressure > 0, axis, cell)
@@ -444,6 +445,7 @@ def _half_size(
     else:
         unseen += cell / 2
     name = ("half-width", "half-length")[axis]
+    # a rival, (value, depth), is what the value may be as well: the bound reaches to it
     half = Quantity(size, "m", f"{name} (outermost edges)", rivals=((size + unseen, 0.0),))
     if area_error is None or not isfinite(area_error.total):
         return with_bound(half, area_error, fallback_reasons)

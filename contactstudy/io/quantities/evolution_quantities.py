@@ -135,7 +135,8 @@ def _extremes(
         ):  # at a kink the extreme is at the instant itself
             places = before, index, after
             beyond = _beyond_parabola([instants[place] for place in places], [values[place] for place in places])
-        # only the distance of the rival from the value counts, so that it may stand above a lowest value too
+        # A bound that is found later, by grids, replaces `bound + beyond`. It reaches to each rival, (value, depth), by
+        # distance alone, so that the rival may stand above a lowest value too; the margin is that of such bounds.
         quantities[name] = replace(
             quantity, value=values[index], label=label, bound=bound + beyond, reason=reason or quantity.reason,
             position={"time": float(time)}, detail="", rivals=(*quantity.rivals, (values[index] + MARGIN * beyond, 0.0)),
@@ -155,6 +156,7 @@ def _beyond_recorded(times: Sequence[float], scene: Scene) -> tuple[str, frozens
     if not scene.histories and times[0] > 0:
         return BEFORE_RECORDED, frozenset()
     for history in scene.histories:
+        # the times in falling order of the size of the load or speed: the reason names the first one
         largest_first = reversed(kinks(history, times[-1]))
         between = [time for time in largest_first if history.start <= time <= times[-1]]
         known.update(between)

@@ -189,7 +189,7 @@ class Layered(Protocol):
 
     @property
     def parts(self) -> Mapping[str, tuple[str, HalfSpace, float, float]]:
-        """Words, material, depths from and to [m] of each layer and the substrate, by the prefix of numbers in it."""
+        """Name, material, top and bottom [m] of each layer and the substrate, by the prefix of its quantities."""
 
     @property
     def thickness(self) -> float:

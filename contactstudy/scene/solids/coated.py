@@ -34,12 +34,13 @@ BELOW = 1 + 1e-12
 class CoatedStress:
     """Stress in layers on a half-space, under a load on one cell of the surface.
 
-    The stress at a depth is a sum. It begins with that in a half-space of the material at this depth. Each interface
-    below the depth adds the change by the material below it: from the layers above the interface on a half-space of the
-    upper material, to the same layers on one of the lower material. This change is a closed form, and a remainder that
-    decays within the depth of the interface. The closed form is taken at the depth mirrored in the interface. It is the
-    stress of the material at the depth under the strain of a half-space of the material below, less that under the
-    strain of a half-space of the material above.
+    The stress at a depth is a sum. It begins with that in a half-space of the material at this depth, and the change
+    from it by the layers above, which the waves of the interface next above are. Each interface below the depth adds the
+    change by the material below it: from the layers above the interface on a half-space of the upper material, to the
+    same layers on one of the lower material. This change is a closed form, and a remainder that decays within the depth
+    of the interface. The closed form is taken at the depth mirrored in the interface. It is the stress of the material
+    at the depth under the strain of a half-space of the material below, less that under the strain of a half-space of
+    the material above.
 
     Parameters
     ----------

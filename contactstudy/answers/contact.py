@@ -177,7 +177,7 @@ class Contact(Answer, Solution):
     def quantities(self) -> Quantities:
         """Numbers of the contact by name, with unit and bound."""
         found, error = contact_quantities(self, self.error, self.derived, self.rolling), self.error
-        of_stress = dict.fromkeys(found, error.stress)  # counts for names of stresses alone
+        of_stress = dict.fromkeys(found, error.stress)  # added to the bounds of stresses alone
         for number in range(1, len(self.problem.outputs) if found else 0):
             if suffix := self._suffix(number):
                 alone = self._with_output_alone(number)

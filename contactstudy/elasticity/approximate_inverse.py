@@ -345,7 +345,7 @@ def at_unpadded_wave_numbers(spectrum: Array, cells: tuple[int, int], padded: tu
     along = np.minimum(np.round(np.arange(ny // 2 + 1) * (py / ny)).astype(int), py // 2)
     values = xp.take(xp.take(spectrum, put(across), axis=0), put(along), axis=1)
     # a window of images may make that of waves uniform across zero or negative; those that vary across, of which the
-    # minimum is, were above 0 on all of 1000 grids with half-spaces, layers and free faces
+    # minimum is, were above 0 on all of 700 grids with half-spaces, layers and free faces
     sizes = xp.abs(values)
     smallest = float(xp.min(sizes[1:, :])) if nx > 1 else float(xp.max(sizes))
     return xp.maximum(values, 1e-3 * smallest)

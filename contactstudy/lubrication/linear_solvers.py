@@ -154,7 +154,7 @@ class StepSolver:
             unknowns = system.stacked(coarse * system.free, coarse, separation)
             cells, of_touching, _ = system.unstacked(values - system.product(unknowns))
             correction = local(cells) * ~linear.equation.fixed
-            if extension is not None:  # from heights of touching cells by those of all to pressures on the set
+            if extension is not None:  # to heights of all cells, then to pressures of touching ones
                 of_touching = extension.pressure(extension(of_touching))
             return unknowns + system.stacked(correction, of_touching, 0.0)
 

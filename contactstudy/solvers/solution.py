@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from math import inf
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -324,7 +323,7 @@ class Solution:
 
     @property
     def regularised(self) -> bool:
-        """Whether the range of adhesion was chosen for the grid, in place of the limit of short ranges."""
+        """True where the range of adhesion was chosen for the grid, in place of the limit of short ranges."""
         return self.adhesion is not None and self.adhesion.regularised
 
     @property
@@ -407,17 +406,6 @@ def unloaded(problem: Problem) -> Solution:
 def net_pressure(pressure: Array, adhesion: AdhesiveTraction | None) -> Array:
     """Return the `pressure` (x, y) [Pa] less the attraction, under which the bodies deform."""
     return pressure if adhesion is None else pressure - adhesion.attraction
-
-
-class CoupledSolution(NamedTuple):
-    """Contact that was solved together with a state of the bodies, and the `energy` [J] that the state adds.
-
-    The `state`, such as plastic strain, has arrays by name.
-    """
-
-    solution: Solution
-    state: Mapping[str, Array]
-    energy: float
 
 
 @dataclass(frozen=True, eq=False)

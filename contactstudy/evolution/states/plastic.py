@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import inf
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +32,7 @@ from contactstudy.scene.scene import Scene
 from contactstudy.scene.solids.inelastic import ElasticPlasticHalfSpace
 from contactstudy.solvers.conjugate_gradients import contact_tangent
 from contactstudy.solvers.plasticity import ElastoplasticStep, Hardening, YieldingBodies, solve_elastoplastic_step
-from contactstudy.solvers.solution import CoupledSolution, Solution, Status, net_pressure
+from contactstudy.solvers.solution import Solution, Status, net_pressure
 
 # Before each step a volume grows until the stress of the contact, without further plastic flow, is below this fraction
 # of the yield stress at its edge. Since a step is repeated in a larger volume where yield reaches its edge, this changes
@@ -140,6 +141,17 @@ class YieldingBody:
             for index, body in enumerate(scene.solids)
             if isinstance(body, ElasticPlasticHalfSpace) and body.yields
         )
+
+
+class CoupledSolution(NamedTuple):
+    """Contact that was solved together with a state of the bodies, and the `energy` [J] that the state adds.
+
+    The `state`, the plastic strain of each body, is that of :class:`PlasticState`.
+    """
+
+    solution: Solution
+    state: State
+    energy: float
 
 
 @dataclass(eq=False)

@@ -441,7 +441,7 @@ class Control:
 
 @dataclass(eq=False)
 class Position(Generic[S]):
-    """Where a march stands: all that it needs to go on from there.
+    """Position of a march in time, with all that it needs to go on from there.
 
     Attributes
     ----------

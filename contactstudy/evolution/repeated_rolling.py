@@ -126,7 +126,7 @@ XX, YY, XZ = 0, 1, 4
 
 @dataclass(frozen=True, eq=False)
 class RollingPass:
-    """What a pass of a contact over a half-space leaves behind, and how it ended.
+    """Pass of a contact over a half-space: the strain that it leaves behind, and how it ended.
 
     Attributes
     ----------
@@ -184,7 +184,7 @@ class RepeatedRolling:
 
     @cached_property
     def coarse(self) -> "RepeatedRolling":
-        """The same passes on cells of twice the size, by which errors are estimated; rolled on first access."""
+        """Passes on cells of twice the size, by which errors are estimated; rolled on first access."""
         return self.solve_on(coarsened(self.grid, 2))
 
     @property
@@ -386,7 +386,7 @@ SolvedStep = tuple[Solution, int]
 
 @dataclass(frozen=True, eq=False)
 class _Rolling:
-    """How a contact rolls over a :class:`Track`, step by step.
+    """Rolling of a contact over a :class:`Track`, step by step.
 
     Attributes
     ----------

@@ -168,7 +168,7 @@ class Scene(InNotebook):
 
     @cached_property
     def named(self) -> frozenset[str]:
-        """What the scene names, in the words of :mod:`~contactstudy.scene.combinations`."""
+        """Effects that the scene names, in the words of :mod:`~contactstudy.scene.combinations`."""
         return named_by(self)
 
     @property
@@ -372,7 +372,7 @@ class Scene(InNotebook):
 
     @property
     def has_approach(self) -> bool:
-        """Whether the approach of the bodies is defined; it is not for bodies that creep as they roll.
+        """True where the approach of the bodies is defined; it is not for bodies that creep as they roll.
 
         Delayed displacement counts from about the distance that the contact moves during the delay: relative to a datum
         it falls without limit with the logarithm of the speed.

@@ -233,7 +233,7 @@ class SubsurfaceStressOperator:
 
     @property
     def _repeats(self) -> bool:
-        """Whether the domain repeats along both axes."""
+        """True where the domain repeats along both axes."""
         return not any(map(is_free, self.paddings))
 
     def searched_depths(self, width: float) -> list[float]:

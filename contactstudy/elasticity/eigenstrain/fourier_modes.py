@@ -204,7 +204,7 @@ class Components(Enum):
 
     @property
     def is_odd(self) -> NDArray[np.bool_]:
-        """Whether each component (components,) is odd in depth: those of yz and xz, with one index z."""
+        """True for each component (components,) that is odd in depth, yz and xz, which have one index z."""
         return np.asarray(self.matrix[:, 3:5].any(axis=1))
 
 

@@ -103,7 +103,7 @@ def _parts(body: Any, name: str, depths: Array) -> list[_Part]:
 
 
 class _Samples(NamedTuple):
-    """Where the stress in a body, or in a part of it, is known.
+    """Samples of the stress in a body, or in a part of it: the points where it is known.
 
     Attributes
     ----------
